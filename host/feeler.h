@@ -1,0 +1,175 @@
+/* feeler.h - the public interface of libfeeler, a Whitted ray tracer on OpenCL.
+ *
+ * The way of the data: load or build a scene, open a device, render, save the image.
+ *
+ * Every function that can fail takes a caller-owned feeler_error; it returns NULL or -1 on failure, fills the error once
+ * (the first error wins) and leaves nothing allocated. Coordinates are right-handed and in the scene's own unit of
+ * length; angles are degrees; colours are linear RGB. All strings are UTF-8. Functions may be called from any thread,
+ * but one object only from one thread at a time.
+ */
+#ifndef FEELER_H
+#define FEELER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__) && !defined(FEELER_CDEF)
+#define FEELER_API __attribute__((visibility("default")))
+#else
+#define FEELER_API
+#endif
+
+/* ---- errors ---- */
+
+typedef enum feeler_code {
+    FEELER_OK = 0,
+    FEELER_BAD_INPUT,    /* a scene, mesh or setting is wrong */
+    FEELER_BAD_USAGE,    /* an argument of the call itself is wrong */
+    FEELER_IO,           /* a file cannot be read or written */
+    FEELER_OUT_OF_MEMORY,
+    FEELER_DEVICE,       /* no OpenCL device, or an OpenCL call or kernel build failed */
+    FEELER_INTERRUPTED   /* the progress callback asked to stop */
+} feeler_code;
+
+/* Where and what is wrong. `source` is a file name, or the path of a key for a scene that came from a dict; line and
+ * column count from 1, 0 where there is none. */
+typedef struct feeler_error {
+    int code;
+    int line;
+    int column;
+    char source[512];
+    char text[2048];
+    char log[16384]; /* the compiler's log where a kernel failed to build, else empty */
+} feeler_error;
+
+/* Version of the library, such as "0.1.0". Static. */
+FEELER_API const char *feeler_version(void);
+
+/* "source:line:column: text", leaving out what is absent. Writes at most size bytes, always terminated. */
+FEELER_API void feeler_error_format(const feeler_error *error, char *buffer, size_t size);
+
+/* ---- nodes: a scene's structure, from YAML text or built by a caller ---- */
+
+typedef struct feeler_node feeler_node;
+
+/* Each returns a new node, or NULL when out of memory. A node owns what is added to it; free the root. */
+FEELER_API feeler_node *feeler_node_map(void);
+FEELER_API feeler_node *feeler_node_list(void);
+FEELER_API feeler_node *feeler_node_text(const char *text);
+FEELER_API feeler_node *feeler_node_number(double value);
+/* Copies rows x columns doubles, row major; stands for a list of lists of numbers. */
+FEELER_API feeler_node *feeler_node_array(const double *values, size_t rows, size_t columns);
+/* 0, or -1 when out of memory or when `parent` cannot hold a child; takes `child` in either case. A list ignores `key`. */
+FEELER_API int feeler_node_add(feeler_node *parent, const char *key, feeler_node *child);
+FEELER_API void feeler_node_free(feeler_node *node);
+
+/* ---- scenes ---- */
+
+typedef struct feeler_scene feeler_scene;
+
+/* Reads .yaml/.yml (native), .nff, or any mesh format that assimp reads; the ending decides. Validated. */
+FEELER_API feeler_scene *feeler_scene_load(const char *path, feeler_error *error);
+/* As a YAML file's root; relative file names are relative to `directory` (NULL: the working directory). Does not take
+ * the node. */
+FEELER_API feeler_scene *feeler_scene_from_node(const feeler_node *node, const char *directory, feeler_error *error);
+FEELER_API void feeler_scene_free(feeler_scene *scene);
+/* The warning at `index` (0 …), or NULL past the last. Owned by the scene. */
+FEELER_API const char *feeler_scene_warning(const feeler_scene *scene, int index);
+
+/* ---- settings ---- */
+
+enum { FEELER_DRAFT, FEELER_STANDARD, FEELER_REFERENCE };
+
+/* What a caller may set over the scene's own values. Start from feeler_settings_default. */
+typedef struct feeler_settings {
+    int width, height;      /* pixels; 0: the scene's */
+    int samples;            /* per pixel; 0: the scene's */
+    double jitter;          /* 0 … 1; negative: the scene's */
+    int depth;              /* greatest depth, the eye ray's being 1; 0: the scene's */
+    double cutoff;          /* 0 … 1; negative: the scene's */
+    int level;              /* FEELER_DRAFT, _STANDARD, _REFERENCE */
+    int region[4];          /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
+    int transparent;        /* 1: the background does not show, alpha is the coverage */
+    int work_group[2];      /* x, y; 0: chosen */
+    int lanes;              /* samples traced side by side: 1, 2, 4, 8 or 16; 0: chosen */
+    int tile;               /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
+    int general;            /* 1: compile everything, not only what the scene needs (for tests) */
+    int brute_force;        /* 1: no tree (for tests) */
+} feeler_settings;
+
+FEELER_API void feeler_settings_default(feeler_settings *settings);
+
+/* ---- devices ---- */
+
+typedef struct feeler_device feeler_device;
+
+/* Opens a device. `select` is NULL or "" for the default (the first CPU device, else the first), a number as listed by
+ * feeler_devices_json, or a part of a device's or platform's name. */
+FEELER_API feeler_device *feeler_device_open(const char *select, feeler_error *error);
+/* Uses a caller's context, device and queue (cl_context, cl_device_id, cl_command_queue as integers), as pyopencl's
+ * int_ptr gives them. Retains them. */
+FEELER_API feeler_device *feeler_device_wrap(intptr_t context, intptr_t device, intptr_t queue, feeler_error *error);
+FEELER_API void feeler_device_close(feeler_device *device);
+/* Owned by the device. */
+FEELER_API const char *feeler_device_name(const feeler_device *device);
+/* All platforms and devices, the default marked, as a JSON text to be freed with feeler_free. */
+FEELER_API char *feeler_devices_json(feeler_error *error);
+
+/* ---- rendering ---- */
+
+typedef struct feeler_image feeler_image;
+
+/* Called between launches, several times a second: fraction done, 0 … 1. Nonzero stops the render. */
+typedef int (*feeler_progress)(void *user, double fraction);
+
+/* Renders. `progress` may be NULL. When progress asks to stop, the image so far is returned and error->code is
+ * FEELER_INTERRUPTED; rows or tiles that are not done are transparent black. */
+FEELER_API feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
+                                       feeler_progress progress, void *user, feeler_error *error);
+FEELER_API void feeler_image_free(feeler_image *image);
+
+/* Size of the rendered region in pixels. */
+FEELER_API int feeler_image_width(const feeler_image *image);
+FEELER_API int feeler_image_height(const feeler_image *image);
+/* RGBA, row major from the top left, linear, associated alpha (alpha is the share of samples that hit something, 1 for
+ * hit; the background is in the colour unless settings.transparent). float32, or float64 at FEELER_REFERENCE. Owned by
+ * the image. */
+FEELER_API const void *feeler_image_pixels(const feeler_image *image);
+FEELER_API int feeler_image_is_double(const feeler_image *image);
+/* Statistics as JSON text (see docs/scene-format.md and README); owned by the image. */
+FEELER_API const char *feeler_image_stats_json(feeler_image *image, feeler_error *error);
+
+/* Writes by the ending: .exr .hdr (linear float), .png .tif .tiff (8 bit sRGB; 16 with sixteen_bit), .jpg. Written beside
+ * its final name and renamed when whole. `alpha`: 0 RGB, 1 RGBA (an error for .jpg and .hdr). */
+typedef struct feeler_save_options {
+    int alpha;
+    int sixteen_bit;
+    int partial; /* 1: the metadata says that the render was interrupted */
+} feeler_save_options;
+
+FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error);
+/* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists), else -1: ask before
+ * rendering. */
+FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error);
+
+/* ---- looking inside ---- */
+
+/* What the scene contains, the features it needs, the kernel's options and memory, as JSON text to be freed with
+ * feeler_free. */
+FEELER_API char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error);
+/* The kernels' source, whole, with #line directives. Static. */
+FEELER_API const char *feeler_kernel_source(void);
+/* The build options for a scene and settings; with scene NULL, the general options (every feature) for the level and
+ * lanes of the settings. To be freed with feeler_free. */
+FEELER_API char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error);
+FEELER_API void feeler_free(void *memory);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

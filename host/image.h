@@ -1,0 +1,41 @@
+/* image.h - a rendered picture and what is known about how it came to be. */
+#ifndef FEELER_IMAGE_H
+#define FEELER_IMAGE_H
+
+#include "feeler.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct render_stats {
+    uint64_t eye, eye_hits, reflection, transmission, shadow; /* rays sent, by kind */
+    int deepest;                                              /* deepest level reached, the eye ray's being 1 */
+    double load, tree, compile, trace, write, total;          /* seconds */
+    double discarded_max, discarded_mean;                     /* weight of rays not sent, per pixel and channel */
+    double truncation_bound; /* greatest error by truncation, per channel; infinite: unbounded */
+    char device[256];
+    int work_group[2];
+    int level, lanes;
+    int width, height; /* of the whole picture */
+    int samples, depth;
+    double jitter, cutoff;
+    char features[1024]; /* names, separated by spaces */
+} render_stats;
+
+struct feeler_image {
+    int x0, y0;              /* of the region in the picture, pixels */
+    int width, height;       /* of the region */
+    bool is_double;
+    void *pixels;            /* owned; width x height x 4 float or double, linear RGBA */
+    bool transparent;
+    char *scene_name;        /* owned */
+    render_stats stats;
+    char *stats_json;        /* owned, made on request */
+};
+
+/* image_io.cpp: the only file that knows OpenImageIO. Writes the whole file under exactly this name, in the format that
+ * `format_name` ("x.exr" or only the ending) tells. */
+int image_io_write(const feeler_image *image, const char *path, const char *format_name,
+                   const feeler_save_options *options, feeler_error *error);
+
+#endif

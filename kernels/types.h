@@ -1,0 +1,87 @@
+/* types.h - the structs that host and device share. Compiles as C11 and as OpenCL C.
+ *
+ * Geometry and colours are whole real4, indices whole uint4, and the two never mix in a struct: the host packs in double
+ * and narrows an array to float without knowing what is in it. Lengths are in the scene's unit, in world space moved to
+ * the scene's own origin (pack.c).
+ */
+#ifndef FEELER_TYPES_H
+#define FEELER_TYPES_H
+
+#ifdef __OPENCL_VERSION__
+#ifdef DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double real;
+typedef double4 real4;
+#else
+typedef float real;
+typedef float4 real4;
+#endif
+#else
+#include <stdint.h>
+typedef double real;
+typedef struct { real x, y, z, w; } real4;
+typedef struct { uint32_t x, y, z, w; } uint4;
+#endif
+
+/* A box that holds a primitive: a hit's distance is clamped to the ray's interval in it (MODEL, Arithmetic). */
+typedef struct { real4 low, high; } bounds;
+
+typedef struct { real4 centre_radius; bounds bounds; } sphere;
+typedef struct { real4 point, normal; } plane;
+typedef struct { real4 centre_radius, normal; bounds bounds; } disc;
+typedef struct { bounds bounds; } box;
+/* Corners are in an array of their own, `first … first + count - 1` (see polygon_range). */
+typedef struct { real4 point, normal; bounds bounds; } polygon;
+/* The axis runs from base (z = 0) to top (z = height) in the frame u, v, axis; radius(z) = radius + slope z. */
+typedef struct { real4 base_radius, u_height, v_slope, axis_top_radius; bounds bounds; } cone;
+
+/* A node of the tree in depth-first order. Its links: x the node to go to when it is missed, y the first entry of `order`
+ * and z the number of entries, 0 for an inner node (whose first child is the next node). */
+typedef struct { bounds bounds; } node;
+
+/* Symbols as in (16.20) and (16.12). optics: refractive index, priority, 1 if total reflection carries rho_tg too, 1 if
+ * Fresnel weights. */
+typedef struct {
+    real4 ambient, diffuse, specular_shininess, diffuse_transmission, specular_transmission, emission, reflection,
+        transmission, optics;
+} material;
+
+/* position.w: 1 for a point light, 0 for a directional one (then xyz is the unit vector towards it). */
+typedef struct { real4 position, diffuse, specular; } light;
+
+/* Everything that changes with the view and not with the geometry. A pixel's direction is
+ * forward + right * (2 x - width) + up * (height - 2 y), x and y in pixels from the top left corner. */
+typedef struct {
+    real4 eye, forward, right, up, background, ambient;
+    real4 limits; /* cutoff, jitter, 1 if the background is transparent, 0 */
+} view;
+
+/* Which pixels a launch computes: all in pixels of the whole picture. */
+typedef struct {
+    uint4 tile;  /* x0, y0, x1, y1 */
+    uint4 frame; /* width, height, samples, depth */
+    uint4 count; /* lights, primitives in the tree, nodes, planes */
+} launch;
+
+/* What a pixel's ray tree was: counts by kind, the deepest level, over all samples. */
+typedef struct {
+    uint4 rays;    /* reflection, transmission, shadow, eye hits */
+    uint4 extreme; /* deepest level, 0, 0, 0 */
+} tally;
+
+/* A primitive: x its kind, y its index among its kind, z its material, w flags. */
+#define KIND_SPHERE 0u
+#define KIND_PLANE 1u
+#define KIND_DISC 2u
+#define KIND_BOX 3u
+#define KIND_TRIANGLE 4u
+#define KIND_POLYGON 5u
+#define KIND_CONE 6u
+
+#define FLAG_BACK_HIDDEN 1u  /* only the front is seen */
+#define FLAG_FRONT_HIDDEN 2u /* only the back is seen */
+#define FLAG_SMOOTH 4u       /* a triangle that interpolates its corners' normals */
+#define FLAG_SOLID 8u        /* bounds a solid: counts when the eye's media are found */
+#define FLAG_CAPPED 16u      /* a cone with its ends closed */
+
+#endif
