@@ -1,0 +1,93 @@
+/* image.c - a finished picture and what is known about it. */
+#include "image.h"
+
+#include "scene.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void feeler_image_free(feeler_image *image) {
+    if (!image) return;
+    free(image->pixels);
+    free(image->scene_name);
+    free(image->stats_json);
+    free(image);
+}
+
+int feeler_image_width(const feeler_image *image) {
+    return image->width;
+}
+
+int feeler_image_height(const feeler_image *image) {
+    return image->height;
+}
+
+const void *feeler_image_pixels(const feeler_image *image) {
+    return image->pixels;
+}
+
+int feeler_image_is_double(const feeler_image *image) {
+    return image->is_double;
+}
+
+static const char *level_name(int level) {
+    static const char *const names[] = { "draft", "standard", "reference" };
+    return level >= FEELER_DRAFT && level <= FEELER_REFERENCE ? names[level] : "unknown";
+}
+
+static json_t *list_of_words(const char *words) {
+    json_t *list = json_array();
+    while (list && *(words += strspn(words, " "))) {
+        size_t length = strcspn(words, " ");
+        if (json_array_append_new(list, json_stringn(words, length))) {
+            json_decref(list);
+            return NULL;
+        }
+        words += length;
+    }
+    return list;
+}
+
+/* JSON has no infinity: a bound that does not exist is said in words. */
+static json_t *bound(double value) {
+    return isfinite(value) ? json_real(value) : json_string("unbounded");
+}
+
+/* How the picture was made. `o` hands a new reference over, so that a NULL in it makes the whole fail. */
+static json_t *describe_settings(const feeler_image *image) {
+    const render_stats *s = &image->stats;
+    return json_pack("{s:s, s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}", "version",
+                     feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1], "lanes",
+                     s->lanes, "level", level_name(s->level), "size", s->width, s->height, "region", image->x0, image->y0,
+                     image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter", s->jitter,
+                     "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
+}
+
+/* What it took. */
+static json_t *describe_work(const render_stats *s) {
+    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I}, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:i, s:{s:f, s:f}, s:o}", "rays",
+                     "eye", (json_int_t)s->eye, "eye_hits", (json_int_t)s->eye_hits, "reflection",
+                     (json_int_t)s->reflection, "transmission", (json_int_t)s->transmission, "shadow",
+                     (json_int_t)s->shadow, "seconds", "load", s->load, "tree", s->tree, "compile", s->compile, "trace",
+                     s->trace, "write", s->write, "total", s->total, "deepest_level", s->deepest, "discarded_weight",
+                     "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound", bound(s->truncation_bound));
+}
+
+const char *feeler_image_stats_json(feeler_image *image, feeler_error *error) {
+    json_t *root = describe_settings(image);
+    json_t *work = describe_work(&image->stats);
+    char *text = NULL;
+    /* Saving adds to the times, so an earlier text may be out of date. */
+    if (root && work && json_object_update(root, work) == 0) text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+    json_decref(root);
+    json_decref(work);
+    if (!text) {
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory while describing the picture");
+        return NULL;
+    }
+    free(image->stats_json);
+    image->stats_json = text;
+    return text;
+}

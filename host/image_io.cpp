@@ -1,0 +1,247 @@
+// image_io.cpp - the only file that knows OpenImageIO. No exception leaves it.
+extern "C" {
+#include "image.h"
+}
+
+#include <OpenImageIO/imageio.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+// Of error.c. The header that declares it is not C++.
+extern "C" int fail(feeler_error *error, int code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+namespace {
+
+enum class kind { exr, hdr, png, tiff, jpeg };
+
+struct format {
+    const char *name; // OpenImageIO's
+    kind what;
+};
+
+format format_of(const std::string &name) {
+    size_t dot = name.find_last_of('.');
+    std::string ending = dot == std::string::npos ? name : name.substr(dot + 1);
+    for (char &c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    if (ending == "exr") return { "openexr", kind::exr };
+    if (ending == "hdr") return { "hdr", kind::hdr };
+    if (ending == "png") return { "png", kind::png };
+    if (ending == "jpg" || ending == "jpeg") return { "jpeg", kind::jpeg };
+    return { "tiff", kind::tiff };
+}
+
+bool is_linear(kind what) {
+    return what == kind::exr || what == kind::hdr;
+}
+
+// IEC 61966-2-1.
+double encode_srgb(double linear) {
+    if (!(linear > 0)) return 0; // also what is not a number
+    if (linear >= 1) return 1;
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double clamp_unit(double value) {
+    return value > 0 ? (value < 1 ? value : 1) : 0;
+}
+
+struct pixel {
+    double rgb[3], alpha;
+};
+
+// Only a picture without background has holes: with it, every pixel is opaque whatever its coverage.
+pixel pixel_at(const feeler_image &image, size_t index) {
+    pixel p;
+    double values[4];
+    for (int c = 0; c < 4; c++)
+        values[c] = image.is_double ? static_cast<const double *>(image.pixels)[4 * index + c]
+                                    : double(static_cast<const float *>(image.pixels)[4 * index + c]);
+    for (int c = 0; c < 3; c++) p.rgb[c] = values[c];
+    p.alpha = image.transparent ? clamp_unit(values[3]) : 1;
+    return p;
+}
+
+// Linear, associated alpha, nothing clamped.
+std::vector<float> linear_values(const feeler_image &image, int channels) {
+    size_t count = size_t(image.width) * size_t(image.height);
+    std::vector<float> values(count * size_t(channels));
+    float *out = values.data();
+    for (size_t i = 0; i < count; i++) {
+        pixel p = pixel_at(image, i);
+        for (int c = 0; c < channels; c++) *out++ = float(c < 3 ? p.rgb[c] : p.alpha);
+    }
+    return values;
+}
+
+// sRGB in whole numbers. A transfer curve acts on a surface's colour, not on its product with alpha: with an alpha
+// channel the colours are divided by it first, and the file says that they are unassociated.
+template <typename T> std::vector<T> srgb_values(const feeler_image &image, int channels) {
+    const double top = double(T(~T(0)));
+    size_t count = size_t(image.width) * size_t(image.height);
+    std::vector<T> values(count * size_t(channels));
+    T *out = values.data();
+    for (size_t i = 0; i < count; i++) {
+        pixel p = pixel_at(image, i);
+        for (int c = 0; c < channels; c++) {
+            double colour = c < 3 ? p.rgb[c] : p.alpha;
+            if (c < 3 && channels == 4) colour = p.alpha > 0 ? colour / p.alpha : 0;
+            *out++ = T((c < 3 ? encode_srgb(colour) : colour) * top + 0.5);
+        }
+    }
+    return values;
+}
+
+std::string number(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+std::string level_name(int level) {
+    return level == FEELER_DRAFT ? "draft" : level == FEELER_STANDARD ? "standard" : "reference";
+}
+
+std::string describe_settings(const feeler_image &image) {
+    const render_stats &s = image.stats;
+    std::string text = "level " + level_name(s.level) + ", size " + std::to_string(s.width) + "x" + std::to_string(s.height);
+    text += ", region " + std::to_string(image.x0) + "," + std::to_string(image.y0) + "," +
+            std::to_string(image.x0 + image.width) + "," + std::to_string(image.y0 + image.height);
+    text += ", samples " + std::to_string(s.samples) + ", jitter " + number(s.jitter);
+    text += ", depth " + std::to_string(s.depth) + ", cutoff " + number(s.cutoff);
+    text += ", work group " + std::to_string(s.work_group[0]) + "x" + std::to_string(s.work_group[1]);
+    return text + ", lanes " + std::to_string(s.lanes);
+}
+
+std::string describe_rays(const render_stats &s) {
+    return "eye " + std::to_string(s.eye) + ", eye hits " + std::to_string(s.eye_hits) + ", reflection " +
+           std::to_string(s.reflection) + ", transmission " + std::to_string(s.transmission) + ", shadow " +
+           std::to_string(s.shadow);
+}
+
+std::string describe_seconds(const render_stats &s) {
+    return "load " + number(s.load) + ", tree " + number(s.tree) + ", compile " + number(s.compile) + ", trace " +
+           number(s.trace);
+}
+
+struct note {
+    std::string key, text;
+};
+
+std::vector<note> notes_of(const feeler_image &image, const feeler_save_options &options) {
+    std::vector<note> notes = {
+        { "scene", image.scene_name ? image.scene_name : "" },
+        { "settings", describe_settings(image) },
+        { "device", image.stats.device },
+        { "version", feeler_version() },
+        { "rays", describe_rays(image.stats) },
+        { "seconds", describe_seconds(image.stats) },
+    };
+    if (options.partial) notes.push_back({ "interrupted", "the render was interrupted: only a part of the picture is there" });
+    return notes;
+}
+
+// Few formats keep attributes of any name; ImageDescription is kept by all but HDR.
+void add_metadata(OIIO::ImageSpec &spec, const std::vector<note> &notes) {
+    std::string all;
+    for (const note &n : notes) {
+        spec.attribute("feeler:" + n.key, n.text);
+        all += (all.empty() ? "" : "\n") + n.key + ": " + n.text;
+    }
+    spec.attribute("ImageDescription", all);
+    spec.attribute("Software", std::string("feeler ") + feeler_version());
+}
+
+OIIO::ImageSpec describe_file(const feeler_image &image, kind what, const feeler_save_options &options) {
+    OIIO::TypeDesc type = is_linear(what) ? OIIO::TypeDesc::FLOAT
+                          : options.sixteen_bit ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+    OIIO::ImageSpec spec(image.width, image.height, options.alpha ? 4 : 3, type);
+    if (what == kind::exr) { // the others know no data window
+        spec.x = image.x0;
+        spec.y = image.y0;
+        spec.full_width = image.stats.width;
+        spec.full_height = image.stats.height;
+        spec.attribute("compression", "zip");
+    }
+    if (what == kind::png || what == kind::tiff) {
+        spec.attribute("oiio:UnassociatedAlpha", 1);
+        spec.attribute("compression", "zip");
+    }
+    if (what == kind::jpeg) {
+        spec.attribute("Compression", "jpeg:95");
+        spec.attribute("jpeg:subsampling", "4:4:4");
+    }
+    spec.attribute("oiio:ColorSpace", is_linear(what) ? "Linear" : "sRGB");
+    return spec;
+}
+
+bool write_pixels(OIIO::ImageOutput &out, const feeler_image &image, int channels, kind what, bool sixteen_bit) {
+    if (is_linear(what)) return out.write_image(OIIO::TypeDesc::FLOAT, linear_values(image, channels).data());
+    if (sixteen_bit) return out.write_image(OIIO::TypeDesc::UINT16, srgb_values<uint16_t>(image, channels).data());
+    return out.write_image(OIIO::TypeDesc::UINT8, srgb_values<uint8_t>(image, channels).data());
+}
+
+// OpenImageIO writes no metadata into HDR files. Their header takes comment lines after the first line.
+bool add_hdr_comments(const char *path, const std::vector<note> &notes) {
+    std::ifstream in(path, std::ios::binary);
+    std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    size_t line_end = whole.find('\n');
+    if (!in || line_end == std::string::npos) return false;
+    std::string comments;
+    for (const note &n : notes) {
+        std::string text = n.text;
+        for (char &c : text) c = c == '\n' ? ' ' : c;
+        comments += "# feeler:" + n.key + ": " + text + "\n";
+    }
+    whole.insert(line_end + 1, comments);
+    std::ofstream out(path, std::ios::binary | std::ios::trunc);
+    out.write(whole.data(), std::streamsize(whole.size()));
+    out.close();
+    return !out.fail();
+}
+
+int write(const feeler_image &image, const char *path, const char *format_name, const feeler_save_options &options,
+          feeler_error *error) {
+    format target = format_of(format_name);
+    std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(target.name);
+    if (!out) {
+        std::string why = OIIO::geterror();
+        return fail(error, FEELER_IO, "%s: OpenImageIO cannot write this format: %s", format_name, why.c_str());
+    }
+    OIIO::ImageSpec spec = describe_file(image, target.what, options);
+    std::vector<note> notes = notes_of(image, options);
+    add_metadata(spec, notes);
+
+    bool done = out->open(path, spec) && write_pixels(*out, image, spec.nchannels, target.what, options.sixteen_bit != 0);
+    std::string why = done ? "" : out->geterror();
+    // Closing writes what is still buffered, so it can fail where writing did not.
+    if (!out->close() && done) {
+        done = false;
+        why = out->geterror();
+    }
+    if (!done) return fail(error, FEELER_IO, "%s: cannot write: %s", format_name, why.empty() ? "unknown reason" : why.c_str());
+    if (target.what == kind::hdr && !add_hdr_comments(path, notes))
+        return fail(error, FEELER_IO, "%s: cannot write the metadata", format_name);
+    return 0;
+}
+
+} // namespace
+
+extern "C" int image_io_write(const feeler_image *image, const char *path, const char *format_name,
+                              const feeler_save_options *options, feeler_error *error) {
+    try {
+        return write(*image, path, format_name, *options, error);
+    } catch (const std::bad_alloc &) {
+        return fail(error, FEELER_OUT_OF_MEMORY, "%s: out of memory while writing", format_name);
+    } catch (const std::exception &e) {
+        return fail(error, FEELER_IO, "%s: cannot write: %s", format_name, e.what());
+    } catch (...) {
+        return fail(error, FEELER_IO, "%s: cannot write", format_name);
+    }
+}
