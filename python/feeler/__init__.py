@@ -1,0 +1,36 @@
+"""feeler, a Whitted ray tracer on OpenCL.
+
+    import feeler
+
+    scene = feeler.load("scenes/first.yaml")
+    image = scene.render(size=(640, 480), samples=4)
+    image.save("first.png")
+
+`scene` may come from a file (`feeler.load`) or from a dict of the same structure, with numpy arrays where they fit:
+
+    scene = feeler.Scene({
+        "camera": {"eye": [0, 0, 5], "look_at": [0, 0, 0]},
+        "lights": [{"position": [3, 4, 5]}],
+        "objects": [{"sphere": {"centre": [0, 0, 0], "radius": 1}}],
+    })
+
+`image.pixels` is a numpy array of the shape (height, width, 4): linear red, green, blue and associated alpha, row 0 at
+the top, float32 (float64 at level "reference"). `image.stats` counts the rays and the seconds. In a notebook an image
+shows itself.
+
+It renders on the first CPU device by default. `feeler.devices()` lists others, and `scene.render(queue=queue)` takes a
+pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
+
+Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
+goes wrong is a `feeler.Error`, which says where: file, line and column, or the path of a dict's key.
+"""
+
+from ._device import devices, kernel_options, kernel_source
+from ._library import Error, lib, to_string
+from .image import Image
+from .probe import probe
+from .scene import Scene, load
+
+__version__: str = to_string(lib.feeler_version())
+
+__all__ = ["Error", "Image", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]

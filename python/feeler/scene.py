@@ -1,0 +1,164 @@
+"""Scenes and rendering them."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ._device import kernel_options, make_settings, open_device
+from ._library import INTERRUPTED, call, check, ffi, lib, new_error, take_json, to_bytes, to_string
+from ._nodes import build_node
+from .image import Image
+
+Progress = Callable[[float], Any]
+
+
+def load(path: str | os.PathLike[str]) -> Scene:
+    """Reads a scene: feeler's YAML (.yaml, .yml), NFF (.nff) or a mesh file (.obj, .ply, .stl, .gltf, …).
+
+    A mesh alone gets a camera that frames it, a light and a material. Relative names in a scene are relative to it.
+    """
+    return Scene._of(call(lib.feeler_scene_load, to_bytes(path)))
+
+
+class Scene:
+    """A checked scene. It never changes; render it as often and in as many ways as you like."""
+
+    def __init__(self, description: Mapping[str, Any], directory: str | os.PathLike[str] | None = None) -> None:
+        """Makes a scene from the structure of a YAML scene file.
+
+        Args:
+            description: a dict with the keys of docs/scene-format.md, of dicts, lists, tuples, numbers, bools and
+                strings. numpy arrays may stand for vectors (3,), matrices (4, 4) and a mesh's lists of vertices (n, 3),
+                normals (n, 3) and triangles (n, 3). A key whose value is None counts as absent.
+            directory: what relative file names are relative to; by default the working directory.
+        """
+        node = build_node(description)
+        self._take(call(lib.feeler_scene_from_node, node, ffi.NULL if directory is None else to_bytes(directory)))
+
+    @classmethod
+    def _of(cls, pointer: Any) -> Scene:
+        scene = cls.__new__(cls)
+        scene._take(pointer)
+        return scene
+
+    def _take(self, pointer: Any) -> None:
+        self._pointer = ffi.gc(pointer, lib.feeler_scene_free)
+        self._lock = threading.RLock()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was odd but no error, such as triangles without area."""
+        found: list[str] = []
+        while warning := lib.feeler_scene_warning(self._pointer, len(found)):
+            found.append(to_string(warning))
+        return found
+
+    def info(self, **settings: Any) -> dict[str, Any]:
+        """What the scene contains, the features it needs, the kernel's options and its memory, as `feeler info --json`.
+
+        Takes the settings of `render` that change the kernel or the picture.
+        """
+        with self._lock:
+            info: dict[str, Any] = take_json(call(lib.feeler_scene_info_json, self._pointer, make_settings(**settings)))
+            return info
+
+    def kernel_options(self, **settings: Any) -> str:
+        """The build options of the kernels for this scene and settings of `render`."""
+        with self._lock:
+            return kernel_options(self._pointer, **settings)
+
+    def render(
+        self,
+        size: tuple[int, int] | None = None,
+        samples: int | None = None,
+        jitter: float | None = None,
+        depth: int | None = None,
+        cutoff: float | None = None,
+        level: str = "standard",
+        region: tuple[int, int, int, int] | None = None,
+        alpha: bool = False,
+        queue: Any = None,
+        device: str | int | None = None,
+        work_group: tuple[int, int] | None = None,
+        lanes: int | None = None,
+        tile: int | None = None,
+        general: bool = False,
+        brute_force: bool = False,
+        progress: bool | Progress | None = None,
+    ) -> Image:
+        """Renders the scene. What is None is the scene's own, or chosen.
+
+        Other threads run meanwhile. A KeyboardInterrupt ends the render within a second; the exception's attribute
+        `image` is what was done until then.
+
+        Args:
+            size: width and height of the whole picture, pixels.
+            samples: per pixel.
+            jitter: 0 (samples in their cells' centres) to 1 (anywhere in their cells).
+            depth: how many rays may follow each other, the eye ray being the first.
+            cutoff: rays whose weight is below it are not sent; 0 to 1.
+            level: "draft", "standard" (float32, robust) or "reference" (float64).
+            region: x0, y0, x1, y1, half open, pixels from the top left: render only these.
+            alpha: True leaves the background out of the colour; the alpha is then the coverage.
+            queue: a pyopencl.CommandQueue to render on.
+            device: a number in `feeler.devices()` or part of a device's name, instead of a queue.
+            work_group: x, y. Like lanes and tile it never changes the picture.
+            lanes: samples that are traced side by side: 1, 2, 4, 8 or 16.
+            tile: pixels per launch.
+            general: compile everything, not only what the scene needs (for tests).
+            brute_force: try every object for every ray (for tests).
+            progress: True shows a bar; a function is called several times a second with the share done, 0 to 1, and
+                stops the render by returning something true: the image so far is then returned, `interrupted`.
+        """
+        settings = make_settings(
+            size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
+            alpha=alpha, work_group=work_group, lanes=lanes, tile=tile, general=general, brute_force=brute_force,
+        )  # fmt: skip
+        opened = open_device(device, queue)
+        with _Reporter(progress) as reporter, self._lock, opened.lock:
+            error = new_error()
+            pointer = check(
+                lib.feeler_render(self._pointer, settings, opened.pointer, reporter.callback, ffi.NULL, error), error
+            )
+            image = Image(pointer, interrupted=error.code == INTERRUPTED, alpha=alpha)
+        reporter.raise_caught(image)
+        return image
+
+
+class _Reporter:
+    """The library's progress callback: tells the caller's function or bar, and keeps what they raise for later."""
+
+    def __init__(self, progress: bool | Progress | None) -> None:
+        self.function = progress if callable(progress) else None
+        self.bar = _make_bar() if progress is True else None
+        self.caught: BaseException | None = None
+        self.callback = ffi.callback("int(void *, double)", self._report, error=1, onerror=self._catch)
+
+    def _report(self, _user: Any, fraction: float) -> int:
+        if self.bar is not None:
+            self.bar.update(fraction - self.bar.n)
+        return int(bool(self.function(fraction))) if self.function else 0
+
+    def _catch(self, _kind: Any, exception: BaseException, _traceback: Any) -> None:
+        self.caught = self.caught or exception
+
+    def raise_caught(self, image: Image) -> None:
+        if self.caught is not None:
+            self.caught.image = image  # type: ignore[attr-defined]
+            raise self.caught
+
+    def __enter__(self) -> _Reporter:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
+def _make_bar() -> Any:
+    from tqdm.auto import tqdm
+
+    return tqdm(total=1.0, desc="render", bar_format="{desc} {percentage:3.0f}% |{bar}| {elapsed} < {remaining}")
