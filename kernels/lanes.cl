@@ -1,0 +1,152 @@
+// lanes.cl - the lane types: `reals` holds one number for each of LANES rays (or primitives), `ints` an index or a mask.
+//
+// A mask is true where it is not 0; `&`, `|`, `^`, `!` and `m ? a : b` mean the same for one lane (0 and 1) and for many
+// (0 and -1), so one source serves every width. Lanes never change a number's bits: each lane does the same operations.
+#pragma OPENCL FP_CONTRACT OFF
+
+#ifndef LANES
+#define LANES 1
+#endif
+
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+
+#ifdef DOUBLE
+typedef long integer;
+#define MANTISSA 52
+#define EXPONENT_BIAS 1023
+#define UNIT R(1.1102230246251565e-16) // u = 2^-53, half an ulp of 1
+#else
+typedef int integer;
+#define MANTISSA 23
+#define EXPONENT_BIAS 127
+#define UNIT R(5.9604644775390625e-8) // u = 2^-24
+#endif
+
+#define R(x) ((real)(x))
+
+#if LANES == 1
+typedef real reals;
+typedef integer ints;
+#define TRUE 1
+#ifdef DOUBLE
+#define AS_REALS as_double
+#define AS_INTS as_long
+#define TO_REALS convert_double
+#define TO_INTS convert_long
+#else
+#define AS_REALS as_float
+#define AS_INTS as_int
+#define TO_REALS convert_float
+#define TO_INTS convert_int
+#endif
+#else
+#define TRUE (-1)
+#ifdef DOUBLE
+typedef JOIN(double, LANES) reals;
+typedef JOIN(long, LANES) ints;
+#define AS_REALS JOIN(as_double, LANES)
+#define AS_INTS JOIN(as_long, LANES)
+#define TO_REALS JOIN(convert_double, LANES)
+#define TO_INTS JOIN(convert_long, LANES)
+#else
+typedef JOIN(float, LANES) reals;
+typedef JOIN(int, LANES) ints;
+#define AS_REALS JOIN(as_float, LANES)
+#define AS_INTS JOIN(as_int, LANES)
+#define TO_REALS JOIN(convert_float, LANES)
+#define TO_INTS JOIN(convert_int, LANES)
+#endif
+#endif
+
+// One lane of a vector, to read or to set.
+#define REAL_LANE(v, lane) (((private real *)&(v))[lane])
+#define INT_LANE(v, lane) (((private integer *)&(v))[lane])
+
+bool any_lane(ints m)
+{
+    integer bits = 0;
+    for (int lane = 0; lane < LANES; lane++)
+        bits |= INT_LANE(m, lane);
+    return bits != 0;
+}
+
+uint count_lanes(ints m)
+{
+    uint count = 0;
+    for (int lane = 0; lane < LANES; lane++)
+        count += INT_LANE(m, lane) != 0;
+    return count;
+}
+
+reals splat(real x) { return (reals)(x); }
+
+ints mask(bool b) { return (ints)(b ? TRUE : 0); }
+
+// Vectors in space, and colours (x red, y green, z blue).
+typedef struct { reals x, y, z; } vectors;
+
+typedef struct { vectors xyz; reals w; } quads;
+
+vectors make_vectors(reals x, reals y, reals z)
+{
+    vectors v = {x, y, z};
+    return v;
+}
+
+vectors splat_xyz(real4 v) { return make_vectors(splat(v.x), splat(v.y), splat(v.z)); }
+
+vectors add(vectors a, vectors b) { return make_vectors(a.x + b.x, a.y + b.y, a.z + b.z); }
+
+vectors sub(vectors a, vectors b) { return make_vectors(a.x - b.x, a.y - b.y, a.z - b.z); }
+
+vectors mul(vectors a, vectors b) { return make_vectors(a.x * b.x, a.y * b.y, a.z * b.z); }
+
+vectors scale(vectors a, reals s) { return make_vectors(a.x * s, a.y * s, a.z * s); }
+
+vectors negate(vectors a) { return make_vectors(-a.x, -a.y, -a.z); }
+
+vectors absolute(vectors a) { return make_vectors(fabs(a.x), fabs(a.y), fabs(a.z)); }
+
+// a + b s
+vectors along(vectors a, vectors b, reals s)
+{
+    return make_vectors(fma(b.x, s, a.x), fma(b.y, s, a.y), fma(b.z, s, a.z));
+}
+
+reals dot3(vectors a, vectors b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+
+reals largest(vectors a) { return max(max(a.x, a.y), a.z); }
+
+vectors choose(ints m, vectors a, vectors b)
+{
+    return make_vectors(m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z);
+}
+
+reals choose_real(ints m, reals a, reals b) { return m ? a : b; }
+
+// a where m, else 0.
+vectors where(ints m, vectors a) { return choose(m, a, make_vectors(splat(0), splat(0), splat(0))); }
+
+vectors normalise(vectors a)
+{
+    return scale(a, splat(1) / sqrt(dot3(a, a)));
+}
+
+// The real4 at index, and every `stride` reals from `first` on, for each lane.
+quads gather(global const real *first, ints index, int stride)
+{
+    quads q;
+    for (int lane = 0; lane < LANES; lane++) {
+        const real4 v = *(global const real4 *)(first + INT_LANE(index, lane) * stride);
+        REAL_LANE(q.xyz.x, lane) = v.x;
+        REAL_LANE(q.xyz.y, lane) = v.y;
+        REAL_LANE(q.xyz.z, lane) = v.z;
+        REAL_LANE(q.w, lane) = v.w;
+    }
+    return q;
+}
+
+// array[index].member for each lane, member being a real4.
+#define GATHER(array, index, member) \
+    gather((global const real *)&(array)->member, index, (int)(sizeof(*(array)) / sizeof(real)))

@@ -1,0 +1,146 @@
+// phong.cl - local illumination (16.20): Phong's model for reflection and for transmission, with a shadow feeler per light.
+
+// A point to shade. v, r and t as in the model; normal is n_g and shading n, both turned to v's side.
+typedef struct {
+    vectors point, error, normal, shading, v, r;
+    refraction t;
+} shade_point;
+
+// The material's coefficients at each lane.
+typedef struct {
+    vectors diffuse, specular, diffuse_transmission, specular_transmission;
+    reals shininess;
+} coefficients;
+
+typedef struct { vectors colour; uint feelers; } illumination;
+
+coefficients find_coefficients(const scene *s, ints material)
+{
+    coefficients c;
+    c.diffuse = GATHER(s->materials, material, diffuse).xyz;
+    const quads specular = GATHER(s->materials, material, specular_shininess);
+    c.specular = specular.xyz;
+    c.shininess = specular.w;
+#if HAS_DIFFUSE_TRANSMISSION
+    c.diffuse_transmission = GATHER(s->materials, material, diffuse_transmission).xyz;
+#endif
+#if HAS_SPECULAR_TRANSMISSION
+    c.specular_transmission = GATHER(s->materials, material, specular_transmission).xyz;
+#endif
+    return c;
+}
+
+// A feeler ends this much short of its light, relative to its length: a light may lie on a surface.
+#define FEELER_SHORT (R(1) - R(64) * UNIT)
+
+typedef struct { vectors share; ints sent; } visibility; // share: of the light that arrives, 0 or 1 unless filtered
+
+#if HAS_FILTERED_SHADOWS
+// Extension: what a feeler crosses lets its rho_tg through, once per surface, nearest first.
+vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active)
+{
+    vectors share = where(active, splat_xyz((real4)(1)));
+    while (any_lane(active)) {
+        const ray r = make_ray(origin, direction);
+        const hit h = traverse(s, r, active, limit, false);
+        active &= h.primitive >= 0;
+        const identity id = identify(s, active, h);
+        const surface f = find_surface(s, r, h, active, id);
+        const vectors passes = GATHER(s->materials, active ? id.material : (ints)((integer)0), transmission).xyz;
+        share = choose(active, mul(share, passes), share);
+        active &= largest(share) > splat(0);
+        const ints outwards = dot3(direction, f.normal) > splat(0);
+        origin = spawn(f.point, f.error, choose(outwards, f.normal, negate(f.normal)));
+        limit -= h.distance;
+    }
+    return share;
+}
+#endif
+
+// What arrives at a point from a light at `to_light` (a segment; a direction of length 1 where the light is directional).
+visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints active)
+{
+    visibility v;
+    v.sent = active;
+    v.share = where(active, splat_xyz((real4)(1)));
+#if HAS_SHADOWS
+    if (!any_lane(active))
+        return v;
+    const vectors origin = spawn(p.point, p.error, choose(front, p.normal, negate(p.normal)));
+    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), origin) : splat_xyz(l.position);
+    const reals length = sqrt(dot3(segment, segment));
+    const vectors direction = scale(segment, splat(1) / length);
+    const reals limit = l.position.w != R(0) ? length * FEELER_SHORT : splat(INFINITY);
+    active &= length > splat(0);
+#if HAS_FILTERED_SHADOWS
+    v.share = filter_feeler(s, origin, direction, limit, active);
+#else
+    v.share = where(active & !any_hit(s, make_ray(origin, direction), active, limit), v.share);
+#endif
+#endif
+    return v;
+}
+
+ints is_positive(vectors a) { return largest(a) > splat(0); }
+
+// The two terms of one light at each lane: reflection's where it is on the viewer's side, transmission's where it is not.
+illumination illuminate(const scene *s, shade_point p, coefficients c, light l, ints active)
+{
+    const vectors intensity_d = splat_xyz(l.diffuse), intensity_s = splat_xyz(l.specular);
+    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), p.point) : splat_xyz(l.position);
+    const reals squared = dot3(segment, segment);
+    const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
+    const reals cosine = dot3(direction, p.shading), side = dot3(direction, p.normal);
+    active &= squared > splat(0); // a light at Q itself contributes nothing
+    const ints front = active & (cosine > splat(0)) & (side > splat(0));
+    ints sends = mask(false);
+    vectors diffuse = where(sends, intensity_d), specular = diffuse;
+    reals shine = splat(0);
+#if HAS_DIFFUSE
+    diffuse = where(front, mul(c.diffuse, intensity_d));
+#endif
+#if HAS_SPECULAR
+    specular = where(front, mul(c.specular, intensity_s));
+    shine = front ? dot3(p.r, direction) : shine;
+#endif
+#if HAS_DIFFUSE_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
+    const ints back = active & (cosine < splat(0)) & (side < splat(0));
+#endif
+#if HAS_DIFFUSE_TRANSMISSION
+    diffuse = choose(back, mul(c.diffuse_transmission, intensity_d), diffuse);
+#endif
+#if HAS_SPECULAR_TRANSMISSION
+    specular = choose(back & p.t.found, mul(c.specular_transmission, intensity_s), specular);
+    shine = back & p.t.found ? dot3(p.t.direction, direction) : shine;
+#endif
+    const ints shines = is_positive(specular) & (shine > splat(0));
+    sends = is_positive(diffuse) | shines;
+    const visibility v = send_feelers(s, p, l, front, sends);
+    illumination i;
+    i.feelers = HAS_SHADOWS ? count_lanes(v.sent) : 0;
+    vectors sum = scale(diffuse, fabs(cosine));
+#if HAS_SPECULAR || HAS_SPECULAR_TRANSMISSION
+    if (any_lane(shines & is_positive(v.share))) {
+        const reals highlight = power(min(shines ? shine : splat(0), splat(1)), c.shininess);
+        sum = add(sum, scale(specular, shines ? highlight : splat(0)));
+    }
+#endif
+    i.colour = mul(where(sends, sum), v.share);
+    return i;
+}
+
+// I_local of (16.20) at each active lane, 0 elsewhere.
+illumination illuminate_locally(const scene *s, shade_point p, vectors ambient_light, ints material, ints active)
+{
+    const coefficients c = find_coefficients(s, material);
+    illumination sum;
+    sum.feelers = 0;
+    const vectors ambient = mul(GATHER(s->materials, material, ambient).xyz, ambient_light);
+    sum.colour = where(active, add(ambient, GATHER(s->materials, material, emission).xyz));
+    for (uint i = 0; i < s->count.x; i++) {
+        const illumination one = illuminate(s, p, c, s->lights[i], active);
+        sum.colour = add(sum.colour, one.colour);
+        sum.feelers += one.feelers;
+    }
+    return sum;
+}

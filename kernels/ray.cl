@@ -1,0 +1,108 @@
+// ray.cl - a ray, what it hits, and its interval in a box.
+
+// The permutation and shear that lay a ray along +z (Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection):
+// `axis` is the direction's largest component, its two followers become x and y.
+typedef struct { ints axis; reals x, y, z; } shear;
+
+typedef struct { vectors origin, direction, inverse; shear shear; } ray; // direction of length 1
+
+// The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
+typedef struct { reals distance; ints primitive; reals u, v; } hit;
+
+// Where a ray meets one primitive, if it does.
+typedef struct { ints found; reals distance, u, v; } crossing;
+
+typedef struct { reals near, far; } interval;
+
+// The component `offset` places after the axis, cyclically.
+reals component(vectors a, ints axis, int offset)
+{
+    switch (offset) {
+    case 0: return axis == 0 ? a.x : (axis == 1 ? a.y : a.z);
+    case 1: return axis == 0 ? a.y : (axis == 1 ? a.z : a.x);
+    default: return axis == 0 ? a.z : (axis == 1 ? a.x : a.y);
+    }
+}
+
+reals reciprocal(reals d)
+{
+    return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d) : d);
+}
+
+ray make_ray(vectors origin, vectors direction)
+{
+    ray r;
+    r.origin = origin;
+    r.direction = direction;
+    r.inverse = make_vectors(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
+#if HAS_TRIANGLE || HAS_POLYGON
+    const vectors size = absolute(direction);
+    const ints one = 1, two = 2, zero = 0;
+    r.shear.axis = ((size.x >= size.y) & (size.x >= size.z)) ? zero : (size.y >= size.z ? one : two);
+    r.shear.z = splat(1) / component(direction, r.shear.axis, 0);
+    r.shear.x = component(direction, r.shear.axis, 1) * r.shear.z;
+    r.shear.y = component(direction, r.shear.axis, 2) * r.shear.z;
+#endif
+    return r;
+}
+
+// A point as the sheared ray sees it: the ray runs through (0, 0) along +z, and z is the distance along it.
+vectors apply_shear(ray r, vectors point)
+{
+    const vectors p = sub(point, r.origin);
+    const reals z = component(p, r.shear.axis, 0);
+    return make_vectors(fma(-r.shear.x, z, component(p, r.shear.axis, 1)),
+                        fma(-r.shear.y, z, component(p, r.shear.axis, 2)), z * r.shear.z);
+}
+
+// The ray's interval in a box, never too small (Ize 2013, Robust BVH Ray Traversal). Tree and primitives ask this one
+// function, which is monotone in the box: that is why the tree cannot change a picture.
+interval intersect_bounds(ray r, vectors low, vectors high)
+{
+    const vectors a = mul(sub(low, r.origin), r.inverse);
+    const vectors b = mul(sub(high, r.origin), r.inverse);
+    interval i;
+    i.near = max(max(min(a.x, b.x), min(a.y, b.y)), min(a.z, b.z));
+    i.far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z)) * (R(1) + R(2) * GAMMA(3));
+    return i;
+}
+
+// A crossing's distance clamped to the ray's interval in the primitive's box; none where that is empty.
+crossing clamp_crossing(ray r, bounds box, crossing c)
+{
+    const interval i = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
+    c.found &= i.near <= i.far;
+    c.distance = min(max(c.distance, i.near), i.far);
+    return c;
+}
+
+// Which of a convex solid's two crossings counts: the first ahead of the origin whose side is seen. A ray enters through
+// the front and leaves through the back.
+crossing first_ahead(ints found, reals enter, reals leave, uint flags)
+{
+    const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
+    const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
+    const ints entering = front & (enter > splat(0));
+    crossing c;
+    c.found = found & (entering | back);
+    c.distance = entering ? enter : leave;
+    c.u = c.v = splat(0);
+    return c;
+}
+
+// The nearer of two; equal distances go to the lower primitive number.
+hit nearer(hit best, ints active, crossing c, uint primitive)
+{
+    const ints number = (ints)((integer)primitive);
+    const ints better = active & c.found & (c.distance > splat(0)) &
+                        ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
+    best.distance = better ? c.distance : best.distance;
+    best.primitive = better ? number : best.primitive;
+    best.u = better ? c.u : best.u;
+    best.v = better ? c.v : best.v;
+    return best;
+}
+
+// The surface at a hit: the point, its rounding error per coordinate, the outward geometric normal and the shading normal
+// (both of length 1).
+typedef struct { vectors point, error, normal, shading; } surface;

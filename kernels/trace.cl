@@ -1,0 +1,232 @@
+// trace.cl - the ray tree of a pixel's samples (16.3, 16.12), depth first, with an explicit stack.
+
+// Rays of one depth, a sample to a lane.
+typedef struct {
+    vectors origin, direction, weight;
+    ints active;
+    uint depth;
+#if HAS_TRANSMISSION
+    media in;
+#endif
+} packet;
+
+// What a tree adds up to: a lane's colour and unsent weight, all lanes' counts (tally: reflection, transmission, shadow,
+// eye hits) and the deepest level.
+typedef struct {
+    vectors colour, discarded;
+    ints hits; // lanes whose eye ray hits
+    uint4 rays;
+    uint deepest;
+} tree_sum;
+
+// What a packet meets: hits, surfaces, and for transmission the boundary.
+typedef struct {
+    hit h;
+    identity id;
+    surface f;
+    ints entering;
+#if HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
+    boundary b;
+#endif
+} encounter;
+
+// Which lanes' material lets rays through.
+ints transmits(const scene *s, ints material)
+{
+    return is_positive(GATHER(s->materials, material, transmission).xyz);
+}
+
+encounter meet(const scene *s, packet p, ints active)
+{
+    encounter e;
+    const ray r = make_ray(p.origin, p.direction);
+    e.h = closest_hit(s, r, active);
+    const ints found = active & (e.h.primitive >= 0);
+    e.id = identify(s, found, e.h);
+    e.f = find_surface(s, r, e.h, found, e.id);
+    e.entering = dot3(e.f.normal, p.direction) < splat(0);
+#if HAS_TRANSMISSION
+    const ints medium = transmits(s, e.id.material);
+    e.b = cross_boundary(s, p.in, e.id.material, e.entering);
+    e.b.behind = choose_media(medium, e.b.behind, p.in);
+    e.b.visible |= !medium | !found;
+#elif HAS_SPECULAR_TRANSMISSION
+    const reals ior = index_of(s, e.id.material);
+    e.b.eta = e.entering ? splat(1) / ior : ior;
+#endif
+    return e;
+}
+
+#if HAS_TRANSMISSION
+boundary choose_boundary(ints m, boundary a, boundary b)
+{
+    a.eta = m ? a.eta : b.eta;
+    a.visible = m ? a.visible : b.visible;
+    a.behind = choose_media(m, a.behind, b.behind);
+    return a;
+}
+
+encounter choose_encounter(ints m, encounter a, encounter b)
+{
+    a.h.primitive = m ? a.h.primitive : b.h.primitive;
+    a.id.material = m ? a.id.material : b.id.material;
+    a.f = choose_surface(m, a.f, b.f);
+    a.entering = m ? a.entering : b.entering;
+    a.b = choose_boundary(m, a.b, b.b);
+    return a;
+}
+#endif
+
+// The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
+// list of media changes.
+encounter meet_visible(const scene *s, packet p)
+{
+    encounter e = meet(s, p, p.active);
+#if HAS_TRANSMISSION
+    for (ints hidden = p.active & !e.b.visible; any_lane(hidden); hidden &= !e.b.visible) {
+        const vectors ahead = choose(e.entering, negate(e.f.normal), e.f.normal);
+        p.origin = choose(hidden, spawn(e.f.point, e.f.error, ahead), p.origin);
+        p.in = choose_media(hidden, e.b.behind, p.in);
+        e = choose_encounter(hidden, meet(s, p, hidden), e);
+    }
+#endif
+    return e;
+}
+
+// The surface as the shading sees it: normals turned to v's side, reflection and transmission found.
+shade_point make_shade_point(packet p, encounter e)
+{
+    shade_point q;
+    q.point = e.f.point;
+    q.error = e.f.error;
+    q.v = negate(p.direction);
+    q.normal = choose(e.entering, e.f.normal, negate(e.f.normal));
+    q.shading = q.normal;
+#if HAS_SMOOTH
+    const vectors turned = choose(e.entering, e.f.shading, negate(e.f.shading));
+    const reals height = dot3(turned, q.v);
+    q.shading = choose(height > splat(0), turned, normalise(along(turned, q.v, R(0x1p-10) - height)));
+    q.r = keep_above(reflect(q.v, q.shading), q.normal);
+#else
+    q.r = reflect(q.v, q.shading);
+#endif
+#if HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
+    q.t = refract(q.v, q.shading, e.b.eta);
+#if HAS_SMOOTH
+    q.t.direction = keep_above(q.t.direction, negate(q.normal));
+#endif
+#else
+    q.t.found = mask(false);
+    q.t.direction = q.v;
+#endif
+    return q;
+}
+
+// The weights of what a surface sends on: rho_rg and rho_tg, with the extensions that the material asks for.
+typedef struct { vectors reflection, transmission; } shares;
+
+shares find_shares(const scene *s, shade_point q, encounter e)
+{
+    const ints material = e.id.material;
+    shares w;
+    w.reflection = GATHER(s->materials, material, reflection).xyz;
+    w.transmission = where(mask(false), w.reflection);
+#if HAS_TRANSMISSION
+    const vectors passes = GATHER(s->materials, material, transmission).xyz;
+    w.transmission = where(q.t.found, passes);
+    const quads optics = GATHER(s->materials, material, optics);
+#if HAS_FRESNEL
+    const reals cos_v = dot3(q.v, q.shading), cos_t = -dot3(q.t.direction, q.shading);
+    const ints weighted = q.t.found & (optics.w != splat(0));
+    const reals reflected = fresnel(cos_v, cos_t, e.b.eta);
+    w.reflection = choose(weighted, scale(w.reflection, reflected), w.reflection);
+    w.transmission = choose(weighted, scale(w.transmission, splat(1) - reflected), w.transmission);
+#endif
+#if HAS_TOTAL_REFLECTION
+    const ints carries = !q.t.found & (optics.xyz.z != splat(0));
+    w.reflection = choose(carries, add(w.reflection, passes), w.reflection);
+#endif
+#endif
+    return w;
+}
+
+// The packet that goes on with the given shares; what the depth or the cutoff forbids is added to `sum->discarded`.
+packet send_on(packet p, shade_point q, vectors share, vectors direction, vectors side, ints active, real cutoff,
+               uint depth, tree_sum *sum)
+{
+    packet next = p;
+    next.weight = mul(p.weight, share);
+    next.direction = direction;
+    next.depth = p.depth + 1;
+    next.active = active & is_positive(next.weight);
+    const ints stopped = next.active & (mask(p.depth >= depth) | (largest(next.weight) < cutoff));
+    sum->discarded = add(sum->discarded, where(stopped, next.weight));
+    next.active &= !stopped;
+    next.origin = spawn(q.point, q.error, side);
+    return next;
+}
+
+// A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
+// packet waits at each depth.
+tree_sum trace(const scene *s, const view *camera, packet p, uint depth)
+{
+    tree_sum sum;
+    sum.colour = sum.discarded = where(mask(false), p.origin);
+    sum.hits = mask(false);
+    sum.rays = (uint4)(0);
+    sum.deepest = 0;
+#if HAS_REFLECTION && HAS_TRANSMISSION
+    packet waiting[STACK];
+    uint height = 0;
+#endif
+    for (;;) {
+        sum.deepest = max(sum.deepest, p.depth);
+        const encounter e = meet_visible(s, p);
+        const ints found = p.active & (e.h.primitive >= 0);
+        const bool opaque = p.depth > 1 || camera->limits.z == R(0);
+        const ints missed = p.active & !found & mask(opaque);
+        sum.colour = add(sum.colour, where(missed, mul(p.weight, splat_xyz(camera->background))));
+        if (p.depth == 1) {
+            sum.hits = found;
+            sum.rays.w += count_lanes(found);
+        }
+        p.active = mask(false);
+        if (any_lane(found)) {
+            const shade_point q = make_shade_point(p, e);
+            const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
+            sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
+            sum.rays.z += lit.feelers;
+#if HAS_REFLECTION || HAS_TRANSMISSION
+            const shares share = find_shares(s, q, e);
+            const real cutoff = camera->limits.x;
+            const packet reflected = send_on(p, q, share.reflection, q.r, q.normal, found, cutoff, depth, &sum);
+            sum.rays.x += count_lanes(reflected.active);
+#if HAS_TRANSMISSION
+            packet transmitted =
+                send_on(p, q, share.transmission, q.t.direction, negate(q.normal), found, cutoff, depth, &sum);
+            sum.rays.y += count_lanes(transmitted.active);
+            transmitted.in = e.b.behind;
+#if HAS_REFLECTION
+            const bool both = any_lane(reflected.active) && any_lane(transmitted.active);
+            if (both)
+                waiting[height++] = transmitted;
+            p = any_lane(reflected.active) ? reflected : transmitted;
+#else
+            p = transmitted;
+#endif
+#else
+            p = reflected;
+#endif
+#endif
+        }
+        if (any_lane(p.active))
+            continue;
+#if HAS_REFLECTION && HAS_TRANSMISSION
+        if (height > 0) {
+            p = waiting[--height];
+            continue;
+        }
+#endif
+        return sum;
+    }
+}
