@@ -1,0 +1,205 @@
+/* mesh_check.c - whether a mesh file is all there, before assimp reads it.
+ *
+ * assimp 5.2 takes a PLY file that was cut short, repeats its last line or reads beyond its end, and says nothing. The walk
+ * over the file here knows only how long each element is, from the header.
+ */
+#include "mesh_file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+enum { MOST_ELEMENTS = 16, MOST_PROPERTIES = 64 };
+
+typedef struct property {
+    unsigned size;       /* of one value, bytes */
+    unsigned count_size; /* of a list's count; 0: a single value */
+} property;
+
+typedef struct element {
+    char name[32];
+    unsigned long long count;
+    int property_count;
+    property properties[MOST_PROPERTIES];
+} element;
+
+typedef struct ply {
+    FILE *file;
+    enum { ASCII, LITTLE_ENDIAN_BINARY, BIG_ENDIAN_BINARY } format;
+    int element_count;
+    element elements[MOST_ELEMENTS];
+} ply;
+
+bool mesh_ends_with(const char *path, const char *ending) {
+    size_t length = strlen(path), tail = strlen(ending);
+    return length >= tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+/* ---- the header ---- */
+
+/* Bytes of a type; 0 when unknown. */
+static unsigned type_size(const char *name) {
+    static const struct { const char *name; unsigned size; } types[] = {
+        {"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2}, {"int16", 2}, {"uint16", 2},
+        {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8},
+    };
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (strcmp(types[i].name, name) == 0)
+            return types[i].size;
+    return 0;
+}
+
+static bool read_property(ply *p, const char *line) {
+    char count_type[32], type[32];
+    if (p->element_count == 0)
+        return false;
+    element *e = &p->elements[p->element_count - 1];
+    if (e->property_count == MOST_PROPERTIES)
+        return false;
+    property *one = &e->properties[e->property_count++];
+    if (sscanf(line, "property list %31s %31s", count_type, type) == 2) {
+        *one = (property){.size = type_size(type), .count_size = type_size(count_type)};
+        return one->size > 0 && one->count_size > 0;
+    }
+    *one = (property){0};
+    if (sscanf(line, "property %31s", type) == 1)
+        one->size = type_size(type);
+    return one->size > 0;
+}
+
+static bool read_format(ply *p, const char *line) {
+    char name[32];
+    if (sscanf(line, "format %31s", name) != 1)
+        return false;
+    p->format = strcmp(name, "ascii") == 0 ? ASCII
+                : strcmp(name, "binary_little_endian") == 0 ? LITTLE_ENDIAN_BINARY : BIG_ENDIAN_BINARY;
+    return true;
+}
+
+/* Reads to the header's end. False where it is not as the format has it: assimp then finds the words for that. */
+static bool read_header(ply *p) {
+    char line[1024], word[32];
+    while (fgets(line, sizeof line, p->file)) {
+        if (sscanf(line, "%31s", word) != 1)
+            continue;
+        if (strcmp(word, "end_header") == 0)
+            return true;
+        if (strcmp(word, "format") == 0 && !read_format(p, line))
+            return false;
+        if (strcmp(word, "property") == 0 && !read_property(p, line))
+            return false;
+        if (strcmp(word, "element") == 0) {
+            if (p->element_count == MOST_ELEMENTS)
+                return false;
+            element *e = &p->elements[p->element_count++];
+            if (sscanf(line, "element %31s %llu", e->name, &e->count) != 2)
+                return false;
+        }
+    }
+    return false;
+}
+
+/* ---- the elements ---- */
+
+static bool skip_bytes(ply *p, unsigned long long count) {
+    for (; count; count--)
+        if (getc_unlocked(p->file) == EOF)
+            return false;
+    return true;
+}
+
+/* A word of the text, cut to fit. */
+static bool read_word(ply *p, char *word, size_t size) {
+    int c;
+    size_t length = 0;
+    do
+        c = getc_unlocked(p->file);
+    while (c == ' ' || (c >= '\t' && c <= '\r'));
+    for (; c != EOF && c != ' ' && !(c >= '\t' && c <= '\r'); c = getc_unlocked(p->file))
+        if (length + 1 < size)
+            word[length++] = (char)c;
+    word[length] = 0;
+    return length > 0;
+}
+
+static bool read_count(ply *p, unsigned size, unsigned long long *count) {
+    char word[32];
+    *count = 0;
+    if (p->format == ASCII) {
+        bool found = read_word(p, word, sizeof word);
+        *count = strtoull(word, NULL, 10);
+        return found;
+    }
+    for (unsigned i = 0; i < size; i++) {
+        int byte = getc_unlocked(p->file);
+        if (byte == EOF)
+            return false;
+        *count |= (unsigned long long)byte << 8 * (p->format == LITTLE_ENDIAN_BINARY ? i : size - 1 - i);
+    }
+    return true;
+}
+
+static bool skip_property(ply *p, const property *one) {
+    unsigned long long count = 1;
+    char word[2];
+    if (one->count_size && !read_count(p, one->count_size, &count))
+        return false;
+    if (p->format != ASCII)
+        return count <= UINT32_MAX && skip_bytes(p, count * one->size);
+    for (; count; count--)
+        if (!read_word(p, word, sizeof word))
+            return false;
+    return true;
+}
+
+static bool skip_item(ply *p, const element *e) {
+    for (int i = 0; i < e->property_count; i++)
+        if (!skip_property(p, &e->properties[i]))
+            return false;
+    return true;
+}
+
+static int check_ply(FILE *file, char *why, size_t size) {
+    ply *p = calloc(1, sizeof *p);
+    if (!p) {
+        snprintf(why, size, "out of memory");
+        return FEELER_OUT_OF_MEMORY;
+    }
+    p->file = file;
+    int elements = read_header(p) ? p->element_count : 0, code = FEELER_OK;
+    for (int k = 0; k < elements && code == FEELER_OK; k++) {
+        const element *e = &p->elements[k];
+        unsigned long long whole = 0;
+        while (e->property_count && whole < e->count && skip_item(p, e))
+            whole++;
+        if (e->property_count && whole < e->count) {
+            snprintf(why, size, "is cut short: it ends after %llu of %llu elements '%s'", whole, e->count, e->name);
+            code = FEELER_BAD_INPUT;
+        }
+    }
+    free(p);
+    return code;
+}
+
+int mesh_check_file(const char *path, char *why, size_t size) {
+    struct stat about;
+    FILE *file = fopen(path, "rb");
+    if (!file || fstat(fileno(file), &about)) {
+        snprintf(why, size, "cannot be opened: %s", strerror(errno));
+        if (file)
+            fclose(file);
+        return FEELER_IO;
+    }
+    int code = FEELER_BAD_INPUT;
+    if (S_ISDIR(about.st_mode))
+        snprintf(why, size, "is a folder, not a mesh file");
+    else if (S_ISREG(about.st_mode) && about.st_size == 0)
+        snprintf(why, size, "is empty");
+    else
+        code = mesh_ends_with(path, ".ply") ? check_ply(file, why, size) : FEELER_OK;
+    fclose(file);
+    return code;
+}

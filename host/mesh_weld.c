@@ -1,0 +1,176 @@
+/* mesh_weld.c - equal vertices made one, and normals. */
+#include "mesh_file.h"
+#include "vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void mesh_clear(scene_mesh *mesh) {
+    free(mesh->vertices);
+    free(mesh->normals);
+    free(mesh->indices);
+    *mesh = (scene_mesh){0};
+}
+
+/* ---- welding ---- */
+
+static const uint32_t nothing = UINT32_MAX;
+
+static uint64_t mix(uint64_t hash, vec3 v) {
+    const double values[3] = {v.x + 0.0, v.y + 0.0, v.z + 0.0}; /* -0 equals 0 and has to hash like it */
+    uint64_t bits[3];
+    memcpy(bits, values, sizeof bits);
+    for (int i = 0; i < 3; i++) {
+        hash = (hash ^ bits[i]) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+static bool equal(vec3 a, vec3 b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* A hash table of kept vertices, open addressing; a power of two slots. */
+typedef struct weld {
+    const scene_mesh *from;
+    scene_mesh to;       /* vertices and normals with room for all */
+    uint32_t *slots;     /* an index into `to`, or nothing */
+    size_t slot_count;
+} weld;
+
+static uint32_t kept_vertex(weld *w, uint32_t index) {
+    vec3 vertex = w->from->vertices[index];
+    vec3 normal = w->from->normals ? w->from->normals[index] : (vec3){0, 0, 0};
+    size_t slot = mix(mix(0, vertex), normal) & (w->slot_count - 1);
+    for (; w->slots[slot] != nothing; slot = (slot + 1) & (w->slot_count - 1)) {
+        uint32_t kept = w->slots[slot];
+        if (equal(w->to.vertices[kept], vertex) && (!w->to.normals || equal(w->to.normals[kept], normal)))
+            return kept;
+    }
+    uint32_t kept = w->slots[slot] = (uint32_t)w->to.vertex_count++;
+    w->to.vertices[kept] = vertex;
+    if (w->to.normals)
+        w->to.normals[kept] = normal;
+    return kept;
+}
+
+static vec3 *shrunk(vec3 *items, size_t count) {
+    vec3 *smaller = realloc(items, (count ? count : 1) * sizeof *items);
+    return smaller ? smaller : items;
+}
+
+int mesh_weld(scene_mesh *mesh, feeler_error *error) {
+    weld w = {.from = mesh, .slot_count = 16};
+    while (w.slot_count < 2 * mesh->vertex_count)
+        w.slot_count *= 2;
+    w.slots = malloc(w.slot_count * sizeof *w.slots);
+    w.to.vertices = malloc((mesh->vertex_count + 1) * sizeof *w.to.vertices);
+    if (mesh->normals)
+        w.to.normals = malloc((mesh->vertex_count + 1) * sizeof *w.to.normals);
+    if (!w.slots || !w.to.vertices || (mesh->normals && !w.to.normals)) {
+        free(w.slots);
+        mesh_clear(&w.to);
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+    }
+    memset(w.slots, 0xff, w.slot_count * sizeof *w.slots);
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
+        mesh->indices[i] = kept_vertex(&w, mesh->indices[i]);
+    free(w.slots);
+    free(mesh->vertices);
+    free(mesh->normals);
+    mesh->vertex_count = w.to.vertex_count;
+    mesh->vertices = shrunk(w.to.vertices, mesh->vertex_count);
+    mesh->normals = w.to.normals ? shrunk(w.to.normals, mesh->vertex_count) : NULL;
+    return 0;
+}
+
+/* ---- normals ---- */
+
+/* The unit normal of a triangle; false where it has none. */
+static bool facet_normal(const scene_mesh *mesh, const uint32_t *corner, vec3 *normal) {
+    vec3 a = mesh->vertices[corner[0]];
+    vec3 p = vec_subtract(mesh->vertices[corner[1]], a), q = vec_subtract(mesh->vertices[corner[2]], a);
+    return vec_normalize(&p) && vec_normalize(&q) && (*normal = vec_cross(p, q), vec_normalize(normal));
+}
+
+void mesh_drop_facet_normals(scene_mesh *mesh) {
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *corner = mesh->indices + 3 * i;
+        vec3 facet;
+        if (!facet_normal(mesh, corner, &facet))
+            continue;
+        for (int k = 0; k < 3; k++) { /* within 0.0001 radians: as near as printed normals come */
+            vec3 off = vec_subtract(mesh->normals[corner[k]], facet);
+            if (!(vec_dot(off, off) < 1e-8))
+                return;
+        }
+    }
+    free(mesh->normals);
+    mesh->normals = NULL;
+}
+
+/* The angle at the first of three points. */
+static double angle_at(vec3 at, vec3 b, vec3 c) {
+    vec3 p = vec_subtract(b, at), q = vec_subtract(c, at);
+    if (!vec_normalize(&p) || !vec_normalize(&q))
+        return 0;
+    vec3 sine = vec_cross(p, q);
+    return atan2(vec_length(sine), vec_dot(p, q));
+}
+
+static void add_facet(const scene_mesh *mesh, const uint32_t *corner, vec3 facet, vec3 *sums) {
+    for (int k = 0; k < 3; k++) {
+        uint32_t a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
+        double angle = angle_at(mesh->vertices[a], mesh->vertices[b], mesh->vertices[c]);
+        sums[a] = vec_add(sums[a], vec_scale(facet, angle));
+    }
+}
+
+/* One unit normal per vertex, to be freed; NULL when out of memory. */
+static vec3 *smooth_normals(const scene_mesh *mesh, feeler_error *error) {
+    vec3 *normals = calloc(mesh->vertex_count + 1, sizeof *normals);
+    if (!normals) {
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+        return NULL;
+    }
+    vec3 facet;
+    for (size_t i = 0; i < mesh->triangle_count; i++)
+        if (facet_normal(mesh, mesh->indices + 3 * i, &facet))
+            add_facet(mesh, mesh->indices + 3 * i, facet, normals);
+    for (size_t i = 0; i < mesh->triangle_count; i++) /* where triangles cancel out, one of them decides */
+        for (int k = 0; k < 3; k++) {
+            vec3 *normal = &normals[mesh->indices[3 * i + k]];
+            if (vec_dot(*normal, *normal) < 1e-12 && facet_normal(mesh, mesh->indices + 3 * i, &facet))
+                *normal = facet;
+        }
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        if (!vec_normalize(&normals[i]))
+            normals[i] = (vec3){0, 0, 1}; /* of degenerate triangles only, which are dropped */
+    return normals;
+}
+
+int mesh_make_smooth(scene_mesh *mesh, feeler_error *error) {
+    vec3 *normals = smooth_normals(mesh, error);
+    if (!normals)
+        return -1;
+    free(mesh->normals);
+    mesh->normals = normals;
+    return 0;
+}
+
+int mesh_mend_normals(scene_mesh *mesh, feeler_error *error) {
+    size_t good = 0;
+    while (good < mesh->vertex_count && vec_normalize(&mesh->normals[good]))
+        good++;
+    if (good == mesh->vertex_count)
+        return 0;
+    vec3 *normals = smooth_normals(mesh, error);
+    if (!normals)
+        return -1;
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        if (!vec_normalize(&mesh->normals[i]))
+            mesh->normals[i] = normals[i];
+    free(normals);
+    return 0;
+}
