@@ -13,8 +13,10 @@
 static bool contains(const char *text, const char *part) {
     for (; *text; text++) {
         size_t n = 0;
-        while (part[n] && tolower((unsigned char)text[n]) == tolower((unsigned char)part[n])) n++;
-        if (!part[n]) return true;
+        while (part[n] && tolower((unsigned char)text[n]) == tolower((unsigned char)part[n]))
+            n++;
+        if (!part[n])
+            return true;
     }
     return false;
 }
@@ -29,9 +31,12 @@ static void list_names(const device_list *list, const char *part, char *text, si
     text[0] = '\0';
     for (size_t i = 0; i < list->count && used < size; i++) {
         const device_entry *entry = &list->entries[i];
-        if (part && !matches(entry, part)) continue;
-        int n = snprintf(text + used, size - used, "%s%zu '%s' (%s)", used ? ", " : "", i, entry->name, entry->platform_name);
-        if (n < 0) return;
+        if (part && !matches(entry, part))
+            continue;
+        int n = snprintf(text + used, size - used, "%s%zu '%s' (%s)", used ? ", " : "", i, entry->name,
+                         entry->platform_name);
+        if (n < 0)
+            return;
         used += (size_t)n;
     }
 }
@@ -53,17 +58,22 @@ static int select_device(const device_list *list, const char *select, size_t *ch
     char names[1024];
     size_t found = 0;
     *chosen = list->chosen;
-    if (!select || !*select) return 0;
-    if (strspn(select, "0123456789") == strlen(select)) return select_by_number(list, select, chosen, error);
+    if (!select || !*select)
+        return 0;
+    if (strspn(select, "0123456789") == strlen(select))
+        return select_by_number(list, select, chosen, error);
 
     for (size_t i = 0; i < list->count; i++)
-        if (matches(&list->entries[i], select) && found++ == 0) *chosen = i;
-    if (found == 1) return 0;
+        if (matches(&list->entries[i], select) && found++ == 0)
+            *chosen = i;
+    if (found == 1)
+        return 0;
     list_names(list, found ? select : NULL, names, sizeof names);
     if (found == 0)
         return fail(error, FEELER_DEVICE, "no OpenCL device or platform has '%.80s' in its name; there %s %s", select,
                     list->count == 1 ? "is" : "are", names);
-    return fail(error, FEELER_DEVICE, "'%.80s' fits %zu OpenCL devices: %s; choose one by its number", select, found, names);
+    return fail(error, FEELER_DEVICE, "'%.80s' fits %zu OpenCL devices: %s; choose one by its number", select, found,
+                names);
 }
 
 /* The properties that rendering asks for. */
@@ -81,9 +91,12 @@ static int describe(feeler_device *device, feeler_error *error) {
     if (status == CL_SUCCESS)
         status = clGetDeviceInfo(device->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof device->max_work_group,
                                  &device->max_work_group, NULL);
-    if (status != CL_SUCCESS) return fail_cl(error, "clGetDeviceInfo", status);
-    if (!available) return fail(error, FEELER_DEVICE, "the OpenCL device '%s' is not available now", device->name);
-    if (!compiler) return fail(error, FEELER_DEVICE, "the OpenCL device '%s' has no compiler; choose another", device->name);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clGetDeviceInfo", status);
+    if (!available)
+        return fail(error, FEELER_DEVICE, "the OpenCL device '%s' is not available now", device->name);
+    if (!compiler)
+        return fail(error, FEELER_DEVICE, "the OpenCL device '%s' has no compiler; choose another", device->name);
 
     /* A device without doubles may answer with 0 or with an error. */
     if (clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL) == CL_SUCCESS)
@@ -94,7 +107,8 @@ static int describe(feeler_device *device, feeler_error *error) {
 
 static feeler_device *new_device(feeler_error *error) {
     feeler_device *device = calloc(1, sizeof *device);
-    if (!device) fail(error, FEELER_OUT_OF_MEMORY, "out of memory while opening a device");
+    if (!device)
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory while opening a device");
     return device;
 }
 
@@ -103,14 +117,18 @@ feeler_device *feeler_device_open(const char *select, feeler_error *error) {
     size_t chosen;
     cl_int status;
     feeler_device *device = NULL;
-    if (device_list_open(&list, error)) return NULL;
-    if (select_device(&list, select, &chosen, error)) goto failed;
+    if (device_list_open(&list, error))
+        return NULL;
+    if (select_device(&list, select, &chosen, error))
+        goto failed;
     device = new_device(error);
-    if (!device) goto failed;
+    if (!device)
+        goto failed;
 
     device->id = list.entries[chosen].id;
-    if (describe(device, error)) goto failed;
-    cl_context_properties properties[] = { CL_CONTEXT_PLATFORM, (cl_context_properties)list.entries[chosen].platform, 0 };
+    if (describe(device, error))
+        goto failed;
+    cl_context_properties properties[] = {CL_CONTEXT_PLATFORM, (cl_context_properties)list.entries[chosen].platform, 0};
     device->context = clCreateContext(properties, 1, &device->id, NULL, NULL, &status);
     if (!device->context) {
         fail_cl(error, "clCreateContext", status);
@@ -136,9 +154,12 @@ static int check_belongs(cl_context context, cl_device_id id, cl_command_queue q
     cl_int status = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof queue_context, &queue_context, NULL);
     if (status == CL_SUCCESS)
         status = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof queue_device, &queue_device, NULL);
-    if (status != CL_SUCCESS) return fail_cl(error, "clGetCommandQueueInfo", status);
-    if (queue_context != context) return fail(error, FEELER_BAD_USAGE, "the queue belongs to another context");
-    if (queue_device != id) return fail(error, FEELER_BAD_USAGE, "the queue belongs to another device");
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clGetCommandQueueInfo", status);
+    if (queue_context != context)
+        return fail(error, FEELER_BAD_USAGE, "the queue belongs to another context");
+    if (queue_device != id)
+        return fail(error, FEELER_BAD_USAGE, "the queue belongs to another device");
     return 0;
 }
 
@@ -147,12 +168,15 @@ feeler_device *feeler_device_wrap(intptr_t context, intptr_t device_id, intptr_t
         fail(error, FEELER_BAD_USAGE, "context, device and queue must not be null");
         return NULL;
     }
-    if (check_belongs((cl_context)context, (cl_device_id)device_id, (cl_command_queue)queue, error)) return NULL;
+    if (check_belongs((cl_context)context, (cl_device_id)device_id, (cl_command_queue)queue, error))
+        return NULL;
     feeler_device *device = new_device(error);
-    if (!device) return NULL;
+    if (!device)
+        return NULL;
 
     device->id = (cl_device_id)device_id;
-    if (describe(device, error)) goto failed;
+    if (describe(device, error))
+        goto failed;
     cl_int status = clRetainContext((cl_context)context);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clRetainContext", status);
@@ -172,10 +196,13 @@ failed:
 }
 
 void feeler_device_close(feeler_device *device) {
-    if (!device) return;
+    if (!device)
+        return;
     /* Nothing sensible can be done when releasing fails. */
-    if (device->queue) (void)clReleaseCommandQueue(device->queue);
-    if (device->context) (void)clReleaseContext(device->context);
+    if (device->queue)
+        (void)clReleaseCommandQueue(device->queue);
+    if (device->context)
+        (void)clReleaseContext(device->context);
     free(device);
 }
 

@@ -14,14 +14,17 @@ static void make_plain(char *text) {
     size_t start = strspn(text, " \t\n");
     memmove(text, text + start, strlen(text + start) + 1);
     for (char *c = text; *c; c++)
-        if ((unsigned char)*c < 0x20 || (unsigned char)*c >= 0x7f) *c = '?';
-    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--) text[n - 1] = '\0';
+        if ((unsigned char)*c < 0x20 || (unsigned char)*c >= 0x7f)
+            *c = '?';
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--)
+        text[n - 1] = '\0';
 }
 
 /* OpenCL refuses a buffer that is too small, so ask into a large one and cut. */
 static void keep_plain(const char *whole, cl_int status, char *text, size_t size) {
     size_t length = status == CL_SUCCESS ? strlen(whole) : 0;
-    if (length > size - 1) length = size - 1;
+    if (length > size - 1)
+        length = size - 1;
     memcpy(text, whole, length);
     text[length] = '\0';
     make_plain(text);
@@ -43,11 +46,13 @@ static int add_platform(device_list *list, cl_platform_id platform, int index, f
     cl_uint count = 0;
     cl_int status = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &count);
     /* A platform whose hardware is absent must not hide the others. */
-    if (status != CL_SUCCESS || count == 0) return 0;
+    if (status != CL_SUCCESS || count == 0)
+        return 0;
 
     cl_device_id *ids = calloc(count, sizeof *ids);
     device_entry *grown = realloc(list->entries, (list->count + count) * sizeof *grown);
-    if (grown) list->entries = grown;
+    if (grown)
+        list->entries = grown;
     if (!ids || !grown) {
         free(ids);
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory while listing OpenCL devices");
@@ -55,7 +60,7 @@ static int add_platform(device_list *list, cl_platform_id platform, int index, f
     status = clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids, NULL);
     for (cl_uint i = 0; status == CL_SUCCESS && i < count; i++) {
         device_entry *entry = &list->entries[list->count++];
-        *entry = (device_entry){ .platform = platform, .id = ids[i], .platform_index = index };
+        *entry = (device_entry){.platform = platform, .id = ids[i], .platform_index = index};
         clGetDeviceInfo(ids[i], CL_DEVICE_TYPE, sizeof entry->type, &entry->type, NULL);
         platform_text(platform, CL_PLATFORM_NAME, entry->platform_name, sizeof entry->platform_name);
         device_text(ids[i], CL_DEVICE_NAME, entry->name, sizeof entry->name);
@@ -66,33 +71,40 @@ static int add_platform(device_list *list, cl_platform_id platform, int index, f
 
 static size_t choose_default(const device_list *list) {
     for (size_t i = 0; i < list->count; i++)
-        if (list->entries[i].type & CL_DEVICE_TYPE_CPU) return i;
+        if (list->entries[i].type & CL_DEVICE_TYPE_CPU)
+            return i;
     return 0;
 }
 
 int device_list_open(device_list *list, feeler_error *error) {
     cl_platform_id *platforms = NULL;
     cl_uint count = 0;
-    *list = (device_list){ 0 };
+    *list = (device_list){0};
 
     cl_int status = clGetPlatformIDs(0, NULL, &count);
     if (status == PLATFORM_NOT_FOUND_KHR || (status == CL_SUCCESS && count == 0))
-        return fail(error, FEELER_DEVICE, "no OpenCL platform found: install a driver (on Debian "
+        return fail(error, FEELER_DEVICE,
+                    "no OpenCL platform found: install a driver (on Debian "
                     "'apt install pocl-opencl-icd' for the CPU), then try 'feeler doctor'");
-    if (status != CL_SUCCESS) return fail_cl(error, "clGetPlatformIDs", status);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clGetPlatformIDs", status);
 
     platforms = calloc(count, sizeof *platforms);
-    if (!platforms) return fail(error, FEELER_OUT_OF_MEMORY, "out of memory while listing OpenCL platforms");
+    if (!platforms)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory while listing OpenCL platforms");
     status = clGetPlatformIDs(count, platforms, NULL);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clGetPlatformIDs", status);
         goto failed;
     }
     for (cl_uint i = 0; i < count; i++)
-        if (add_platform(list, platforms[i], (int)i, error)) goto failed;
+        if (add_platform(list, platforms[i], (int)i, error))
+            goto failed;
     if (list->count == 0) {
-        fail(error, FEELER_DEVICE, "%u OpenCL platform%s found, but no device: install a driver that has one (on Debian "
-             "'apt install pocl-opencl-icd' for the CPU), then try 'feeler doctor'", count, count == 1 ? "" : "s");
+        fail(error, FEELER_DEVICE,
+             "%u OpenCL platform%s found, but no device: install a driver that has one (on Debian "
+             "'apt install pocl-opencl-icd' for the CPU), then try 'feeler doctor'",
+             count, count == 1 ? "" : "s");
         goto failed;
     }
     list->chosen = choose_default(list);
@@ -106,13 +118,16 @@ failed:
 
 void device_list_close(device_list *list) {
     free(list->entries);
-    *list = (device_list){ 0 };
+    *list = (device_list){0};
 }
 
 static const char *type_name(cl_device_type type) {
-    if (type & CL_DEVICE_TYPE_CPU) return "CPU";
-    if (type & CL_DEVICE_TYPE_GPU) return "GPU";
-    if (type & CL_DEVICE_TYPE_ACCELERATOR) return "accelerator";
+    if (type & CL_DEVICE_TYPE_CPU)
+        return "CPU";
+    if (type & CL_DEVICE_TYPE_GPU)
+        return "GPU";
+    if (type & CL_DEVICE_TYPE_ACCELERATOR)
+        return "accelerator";
     return "other";
 }
 
@@ -147,7 +162,8 @@ char *feeler_devices_json(feeler_error *error) {
     device_list list;
     char *text = NULL;
     json_t *platform = NULL; /* borrowed from `platforms` */
-    if (device_list_open(&list, error)) return NULL;
+    if (device_list_open(&list, error))
+        return NULL;
 
     json_t *platforms = json_array();
     bool whole = platforms != NULL;
@@ -158,12 +174,16 @@ char *feeler_devices_json(feeler_error *error) {
             whole = json_array_append_new(platforms, platform) == 0;
         }
         json_t *device = describe_device(entry, i, i == list.chosen);
-        if (!whole) json_decref(device);
-        else whole = json_array_append_new(json_object_get(platform, "devices"), device) == 0;
+        if (!whole)
+            json_decref(device);
+        else
+            whole = json_array_append_new(json_object_get(platform, "devices"), device) == 0;
     }
     json_t *root = whole ? json_pack("{s:O}", "platforms", platforms) : NULL;
-    if (root) text = json_dumps(root, JSON_INDENT(2));
-    if (!text) fail(error, FEELER_OUT_OF_MEMORY, "out of memory while describing OpenCL devices");
+    if (root)
+        text = json_dumps(root, JSON_INDENT(2));
+    if (!text)
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory while describing OpenCL devices");
     json_decref(root);
     json_decref(platforms);
     device_list_close(&list);

@@ -2,7 +2,8 @@
 #include "device.h"
 #include "scene.h"
 
-#define STATUS(name) { name, #name }
+#define STATUS(name)                                                                                                   \
+    { name, #name }
 
 static const struct {
     cl_int status;
@@ -67,7 +68,7 @@ static const struct {
     STATUS(CL_INVALID_COMPILER_OPTIONS),
     STATUS(CL_INVALID_LINKER_OPTIONS),
     STATUS(CL_INVALID_DEVICE_PARTITION_COUNT),
-    { -1001, "CL_PLATFORM_NOT_FOUND_KHR" }, /* of the ICD loader, not of the core headers */
+    {-1001, "CL_PLATFORM_NOT_FOUND_KHR"}, /* of the ICD loader, not of the core headers */
 };
 
 int fail_cl(feeler_error *error, const char *call, cl_int status) {

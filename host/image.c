@@ -9,7 +9,8 @@
 #include <string.h>
 
 void feeler_image_free(feeler_image *image) {
-    if (!image) return;
+    if (!image)
+        return;
     free(image->pixels);
     free(image->scene_name);
     free(image->stats_json);
@@ -33,7 +34,7 @@ int feeler_image_is_double(const feeler_image *image) {
 }
 
 static const char *level_name(int level) {
-    static const char *const names[] = { "draft", "standard", "reference" };
+    static const char *const names[] = {"draft", "standard", "reference"};
     return level >= FEELER_DRAFT && level <= FEELER_REFERENCE ? names[level] : "unknown";
 }
 
@@ -60,9 +61,9 @@ static json_t *describe_settings(const feeler_image *image) {
     const render_stats *s = &image->stats;
     return json_pack("{s:s, s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}", "version",
                      feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1], "lanes",
-                     s->lanes, "level", level_name(s->level), "size", s->width, s->height, "region", image->x0, image->y0,
-                     image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter", s->jitter,
-                     "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
+                     s->lanes, "level", level_name(s->level), "size", s->width, s->height, "region", image->x0,
+                     image->y0, image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter",
+                     s->jitter, "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
 }
 
 /* What it took. */
@@ -72,7 +73,8 @@ static json_t *describe_work(const render_stats *s) {
                      (json_int_t)s->reflection, "transmission", (json_int_t)s->transmission, "shadow",
                      (json_int_t)s->shadow, "seconds", "load", s->load, "tree", s->tree, "compile", s->compile, "trace",
                      s->trace, "write", s->write, "total", s->total, "deepest_level", s->deepest, "discarded_weight",
-                     "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound", bound(s->truncation_bound));
+                     "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound",
+                     bound(s->truncation_bound));
 }
 
 const char *feeler_image_stats_json(feeler_image *image, feeler_error *error) {
@@ -80,7 +82,8 @@ const char *feeler_image_stats_json(feeler_image *image, feeler_error *error) {
     json_t *work = describe_work(&image->stats);
     char *text = NULL;
     /* Saving adds to the times, so an earlier text may be out of date. */
-    if (root && work && json_object_update(root, work) == 0) text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+    if (root && work && json_object_update(root, work) == 0)
+        text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
     json_decref(root);
     json_decref(work);
     if (!text) {

@@ -29,12 +29,17 @@ struct format {
 format format_of(const std::string &name) {
     size_t dot = name.find_last_of('.');
     std::string ending = dot == std::string::npos ? name : name.substr(dot + 1);
-    for (char &c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-    if (ending == "exr") return { "openexr", kind::exr };
-    if (ending == "hdr") return { "hdr", kind::hdr };
-    if (ending == "png") return { "png", kind::png };
-    if (ending == "jpg" || ending == "jpeg") return { "jpeg", kind::jpeg };
-    return { "tiff", kind::tiff };
+    for (char &c : ending)
+        c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    if (ending == "exr")
+        return {"openexr", kind::exr};
+    if (ending == "hdr")
+        return {"hdr", kind::hdr};
+    if (ending == "png")
+        return {"png", kind::png};
+    if (ending == "jpg" || ending == "jpeg")
+        return {"jpeg", kind::jpeg};
+    return {"tiff", kind::tiff};
 }
 
 bool is_linear(kind what) {
@@ -43,8 +48,10 @@ bool is_linear(kind what) {
 
 // IEC 61966-2-1.
 double encode_srgb(double linear) {
-    if (!(linear > 0)) return 0; // also what is not a number
-    if (linear >= 1) return 1;
+    if (!(linear > 0))
+        return 0; // also what is not a number
+    if (linear >= 1)
+        return 1;
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
@@ -63,7 +70,8 @@ pixel pixel_at(const feeler_image &image, size_t index) {
     for (int c = 0; c < 4; c++)
         values[c] = image.is_double ? static_cast<const double *>(image.pixels)[4 * index + c]
                                     : double(static_cast<const float *>(image.pixels)[4 * index + c]);
-    for (int c = 0; c < 3; c++) p.rgb[c] = values[c];
+    for (int c = 0; c < 3; c++)
+        p.rgb[c] = values[c];
     p.alpha = image.transparent ? clamp_unit(values[3]) : 1;
     return p;
 }
@@ -75,7 +83,8 @@ std::vector<float> linear_values(const feeler_image &image, int channels) {
     float *out = values.data();
     for (size_t i = 0; i < count; i++) {
         pixel p = pixel_at(image, i);
-        for (int c = 0; c < channels; c++) *out++ = float(c < 3 ? p.rgb[c] : p.alpha);
+        for (int c = 0; c < channels; c++)
+            *out++ = float(c < 3 ? p.rgb[c] : p.alpha);
     }
     return values;
 }
@@ -91,7 +100,8 @@ template <typename T> std::vector<T> srgb_values(const feeler_image &image, int 
         pixel p = pixel_at(image, i);
         for (int c = 0; c < channels; c++) {
             double colour = c < 3 ? p.rgb[c] : p.alpha;
-            if (c < 3 && channels == 4) colour = p.alpha > 0 ? colour / p.alpha : 0;
+            if (c < 3 && channels == 4)
+                colour = p.alpha > 0 ? colour / p.alpha : 0;
             *out++ = T((c < 3 ? encode_srgb(colour) : colour) * top + 0.5);
         }
     }
@@ -110,7 +120,8 @@ std::string level_name(int level) {
 
 std::string describe_settings(const feeler_image &image) {
     const render_stats &s = image.stats;
-    std::string text = "level " + level_name(s.level) + ", size " + std::to_string(s.width) + "x" + std::to_string(s.height);
+    std::string text =
+        "level " + level_name(s.level) + ", size " + std::to_string(s.width) + "x" + std::to_string(s.height);
     text += ", region " + std::to_string(image.x0) + "," + std::to_string(image.y0) + "," +
             std::to_string(image.x0 + image.width) + "," + std::to_string(image.y0 + image.height);
     text += ", samples " + std::to_string(s.samples) + ", jitter " + number(s.jitter);
@@ -136,14 +147,15 @@ struct note {
 
 std::vector<note> notes_of(const feeler_image &image, const feeler_save_options &options) {
     std::vector<note> notes = {
-        { "scene", image.scene_name ? image.scene_name : "" },
-        { "settings", describe_settings(image) },
-        { "device", image.stats.device },
-        { "version", feeler_version() },
-        { "rays", describe_rays(image.stats) },
-        { "seconds", describe_seconds(image.stats) },
+        {"scene", image.scene_name ? image.scene_name : ""},
+        {"settings", describe_settings(image)},
+        {"device", image.stats.device},
+        {"version", feeler_version()},
+        {"rays", describe_rays(image.stats)},
+        {"seconds", describe_seconds(image.stats)},
     };
-    if (options.partial) notes.push_back({ "interrupted", "the render was interrupted: only a part of the picture is there" });
+    if (options.partial)
+        notes.push_back({"interrupted", "the render was interrupted: only a part of the picture is there"});
     return notes;
 }
 
@@ -159,8 +171,9 @@ void add_metadata(OIIO::ImageSpec &spec, const std::vector<note> &notes) {
 }
 
 OIIO::ImageSpec describe_file(const feeler_image &image, kind what, const feeler_save_options &options) {
-    OIIO::TypeDesc type = is_linear(what) ? OIIO::TypeDesc::FLOAT
-                          : options.sixteen_bit ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+    OIIO::TypeDesc type = is_linear(what)       ? OIIO::TypeDesc::FLOAT
+                          : options.sixteen_bit ? OIIO::TypeDesc::UINT16
+                                                : OIIO::TypeDesc::UINT8;
     OIIO::ImageSpec spec(image.width, image.height, options.alpha ? 4 : 3, type);
     if (what == kind::exr) { // the others know no data window
         spec.x = image.x0;
@@ -182,8 +195,10 @@ OIIO::ImageSpec describe_file(const feeler_image &image, kind what, const feeler
 }
 
 bool write_pixels(OIIO::ImageOutput &out, const feeler_image &image, int channels, kind what, bool sixteen_bit) {
-    if (is_linear(what)) return out.write_image(OIIO::TypeDesc::FLOAT, linear_values(image, channels).data());
-    if (sixteen_bit) return out.write_image(OIIO::TypeDesc::UINT16, srgb_values<uint16_t>(image, channels).data());
+    if (is_linear(what))
+        return out.write_image(OIIO::TypeDesc::FLOAT, linear_values(image, channels).data());
+    if (sixteen_bit)
+        return out.write_image(OIIO::TypeDesc::UINT16, srgb_values<uint16_t>(image, channels).data());
     return out.write_image(OIIO::TypeDesc::UINT8, srgb_values<uint8_t>(image, channels).data());
 }
 
@@ -192,11 +207,13 @@ bool add_hdr_comments(const char *path, const std::vector<note> &notes) {
     std::ifstream in(path, std::ios::binary);
     std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
     size_t line_end = whole.find('\n');
-    if (!in || line_end == std::string::npos) return false;
+    if (!in || line_end == std::string::npos)
+        return false;
     std::string comments;
     for (const note &n : notes) {
         std::string text = n.text;
-        for (char &c : text) c = c == '\n' ? ' ' : c;
+        for (char &c : text)
+            c = c == '\n' ? ' ' : c;
         comments += "# feeler:" + n.key + ": " + text + "\n";
     }
     whole.insert(line_end + 1, comments);
@@ -218,14 +235,17 @@ int write(const feeler_image &image, const char *path, const char *format_name, 
     std::vector<note> notes = notes_of(image, options);
     add_metadata(spec, notes);
 
-    bool done = out->open(path, spec) && write_pixels(*out, image, spec.nchannels, target.what, options.sixteen_bit != 0);
+    bool done =
+        out->open(path, spec) && write_pixels(*out, image, spec.nchannels, target.what, options.sixteen_bit != 0);
     std::string why = done ? "" : out->geterror();
     // Closing writes what is still buffered, so it can fail where writing did not.
     if (!out->close() && done) {
         done = false;
         why = out->geterror();
     }
-    if (!done) return fail(error, FEELER_IO, "%s: cannot write: %s", format_name, why.empty() ? "unknown reason" : why.c_str());
+    if (!done)
+        return fail(error, FEELER_IO, "%s: cannot write: %s", format_name,
+                    why.empty() ? "unknown reason" : why.c_str());
     if (target.what == kind::hdr && !add_hdr_comments(path, notes))
         return fail(error, FEELER_IO, "%s: cannot write the metadata", format_name);
     return 0;

@@ -22,15 +22,16 @@ typedef struct format {
 } format;
 
 static const format formats[] = {
-    { ".exr", true, false },  { ".hdr", false, false }, { ".png", true, true },   { ".tif", true, true },
-    { ".tiff", true, true },  { ".jpg", false, false }, { ".jpeg", false, false },
+    {".exr", true, false}, {".hdr", false, false}, {".png", true, true},    {".tif", true, true},
+    {".tiff", true, true}, {".jpg", false, false}, {".jpeg", false, false},
 };
 
 static const format *find_format(const char *path) {
     const char *slash = strrchr(path, '/');
     const char *dot = strrchr(slash ? slash + 1 : path, '.');
     for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++)
-        if (strcasecmp(formats[i].ending, dot) == 0) return &formats[i];
+        if (strcasecmp(formats[i].ending, dot) == 0)
+            return &formats[i];
     return NULL;
 }
 
@@ -40,7 +41,9 @@ static int check_format(const char *path, const feeler_save_options *options, fe
     if (!f) {
         const char *slash = strrchr(path, '/');
         const char *dot = strrchr(slash ? slash + 1 : path, '.');
-        if (!dot) return fail(error, FEELER_BAD_USAGE, "%s: the name has no ending that tells the picture's format; %s", path, known);
+        if (!dot)
+            return fail(error, FEELER_BAD_USAGE, "%s: the name has no ending that tells the picture's format; %s", path,
+                        known);
         return fail(error, FEELER_BAD_USAGE, "%s: unknown picture format '%s'; %s", path, dot, known);
     }
     if (options->alpha && !f->alpha)
@@ -54,7 +57,8 @@ static int check_format(const char *path, const feeler_save_options *options, fe
 /* The folder part of a path, "." where it has none. To be freed. */
 static char *folder_of(const char *path) {
     const char *slash = strrchr(path, '/');
-    if (!slash) return strdup(".");
+    if (!slash)
+        return strdup(".");
     return strndup(path, slash == path ? 1 : (size_t)(slash - path));
 }
 
@@ -62,7 +66,8 @@ static int check_folder(const char *path, feeler_error *error) {
     struct stat info;
     int result = -1;
     char *folder = folder_of(path);
-    if (!folder) return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+    if (!folder)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     if (stat(folder, &info))
         fail(error, FEELER_IO, "%s: cannot write into the folder '%s': %s", path, folder, strerror(errno));
     else if (!S_ISDIR(info.st_mode))
@@ -78,13 +83,19 @@ static int check_folder(const char *path, feeler_error *error) {
 int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error) {
     static const feeler_save_options plain;
     struct stat info;
-    if (!options) options = &plain;
-    if (!path || !*path) return fail(error, FEELER_BAD_USAGE, "the picture's file name is empty");
+    if (!options)
+        options = &plain;
+    if (!path || !*path)
+        return fail(error, FEELER_BAD_USAGE, "the picture's file name is empty");
     bool exists = stat(path, &info) == 0;
-    if (exists && S_ISDIR(info.st_mode)) return fail(error, FEELER_IO, "%s: is a folder; name a file", path);
-    if (check_format(path, options, error)) return -1;
-    if (exists && !S_ISREG(info.st_mode)) return fail(error, FEELER_IO, "%s: is not a regular file", path);
-    if (exists && access(path, W_OK)) return fail(error, FEELER_IO, "%s: %s", path, strerror(errno));
+    if (exists && S_ISDIR(info.st_mode))
+        return fail(error, FEELER_IO, "%s: is a folder; name a file", path);
+    if (check_format(path, options, error))
+        return -1;
+    if (exists && !S_ISREG(info.st_mode))
+        return fail(error, FEELER_IO, "%s: is not a regular file", path);
+    if (exists && access(path, W_OK))
+        return fail(error, FEELER_IO, "%s: %s", path, strerror(errno));
     return check_folder(path, error);
 }
 
@@ -96,28 +107,37 @@ static int open_temporary(const char *path, char name[PATH_MAX], feeler_error *e
     int folder_length = slash ? (int)(slash - path + 1) : 0;
     for (int attempt = 0; attempt < 1000; attempt++) {
         int n = snprintf(name, PATH_MAX, "%.*s.feeler-%ld-%d.tmp", folder_length, path, (long)getpid(), attempt);
-        if (n < 0 || n >= PATH_MAX) return fail(error, FEELER_IO, "%s: the name is too long", path);
+        if (n < 0 || n >= PATH_MAX)
+            return fail(error, FEELER_IO, "%s: the name is too long", path);
         int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file >= 0) {
             /* Where the mode cannot be kept, the umask's is good enough. */
-            if (stat(path, &old) == 0) (void)fchmod(file, old.st_mode & 0777);
+            if (stat(path, &old) == 0)
+                (void)fchmod(file, old.st_mode & 0777);
             return file;
         }
-        if (errno != EEXIST) break;
+        if (errno != EEXIST)
+            break;
     }
     return fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
 }
 
-static int write_and_rename(const feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error) {
+static int write_and_rename(const feeler_image *image, const char *path, const feeler_save_options *options,
+                            feeler_error *error) {
     char temporary[PATH_MAX];
     int file = open_temporary(path, temporary, error);
-    if (file < 0) return -1;
+    if (file < 0)
+        return -1;
 
     int result = image_io_write(image, temporary, path, options, error);
-    if (result == 0 && fsync(file)) result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (close(file) && result == 0) result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (result == 0 && rename(temporary, path)) result = fail(error, FEELER_IO, "%s: cannot rename: %s", path, strerror(errno));
-    if (result) (void)unlink(temporary);
+    if (result == 0 && fsync(file))
+        result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (close(file) && result == 0)
+        result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (result == 0 && rename(temporary, path))
+        result = fail(error, FEELER_IO, "%s: cannot rename: %s", path, strerror(errno));
+    if (result)
+        (void)unlink(temporary);
     return result;
 }
 
@@ -130,15 +150,18 @@ static double seconds_now(void) {
 int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error) {
     static const feeler_save_options plain;
     struct stat info;
-    if (!options) options = &plain;
+    if (!options)
+        options = &plain;
     double start = seconds_now();
-    if (feeler_image_can_save(path, options, error)) return -1;
+    if (feeler_image_can_save(path, options, error))
+        return -1;
 
     /* A link stays a link: what it leads to is replaced. */
     char *target = lstat(path, &info) == 0 && S_ISLNK(info.st_mode) ? realpath(path, NULL) : NULL;
     int result = write_and_rename(image, target ? target : path, options, error);
     free(target);
-    if (result) return -1;
+    if (result)
+        return -1;
     double seconds = seconds_now() - start;
     image->stats.write += seconds;
     image->stats.total += seconds;
