@@ -21,7 +21,7 @@ ALL_CXXFLAGS = -std=c++17 $(WARN) -fPIC -fvisibility=hidden -pthread -DFEELER_VE
 LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm
 
 # Order matters: the kernels are one source, each file after what it uses.
-KERNELS := $(addprefix kernels/,types.h features.h lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
+KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
   polygon.cl cone.cl primitive.cl tree.cl optics.cl media.cl phong.cl camera.cl trace.cl render.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
@@ -63,6 +63,138 @@ $(BUILD):
 
 -include $(wildcard $(BUILD)/*.d)
 
-.PHONY: clean
-clean:
+# ---- setting up
+
+# What only the checks need, once.
+LINT_PACKAGES := clang clang-format libclang-rt-14-dev oclgrind valgrind
+VENV := .venv
+SUDO = $(if $(filter 0,$(shell id -u)),,sudo )
+
+# Shell commands that install what is missing of the packages $(1); nothing is touched when nothing is missing.
+install_missing = missing=; for p in $(1); do \
+    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || missing="$$missing $$p"; done; \
+  if [ -n "$$missing" ]; then echo "installing:$$missing"; export DEBIAN_FRONTEND=noninteractive; \
+    $(SUDO)apt-get update -qq && $(SUDO)apt-get install -y -qq --no-install-recommends $$missing >/dev/null; fi
+
+.PHONY: help
+help: ## this list
+	@echo '`make` builds $(BUILD)/feeler and $(BUILD)/libfeeler.so. Other targets:'
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+.PHONY: deps deps-lint
+deps: ## install the system packages that are missing (Debian)
+	@command -v dpkg-query >/dev/null || { echo 'not Debian: install the likes of $(PACKAGES)'; exit 1; }
+	@$(call install_missing,$(PACKAGES))
+
+deps-lint: deps ## and those of the checks
+	@$(call install_missing,$(LINT_PACKAGES))
+
+# Python with the package (editable) and everything that tests and charts need.
+$(VENV)/ready: pyproject.toml setup.py
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install -q --disable-pip-version-check -e '.[test,charts,dev]'
+	touch $@
+
+# What needs the system packages is made by another make, so that `make -j` keeps the order.
+.PHONY: ready
+ready: deps
+	@$(MAKE) --no-print-directory all $(VENV)/ready
+
+# ---- using it
+
+.PHONY: demo
+demo: deps ## set up, build, and render build/demo.png
+	@$(MAKE) --no-print-directory all
+	$(BUILD)/feeler render $(DEMO) -o $(BUILD)/demo.png
+	@echo 'the picture is $(BUILD)/demo.png'
+
+DEMO := scenes/first.yaml
+
+.PHONY: install uninstall
+INTO = $(DESTDIR)$(PREFIX)
+install: all ## install under PREFIX (/usr/local), below DESTDIR
+	install -d $(addprefix $(INTO)/,bin include lib/pkgconfig share/feeler/kernels share/man/man1)
+	install -m 755 $(BUILD)/feeler $(INTO)/bin
+	install -m 755 $(BUILD)/libfeeler.so $(INTO)/lib
+	install -m 644 host/feeler.h $(INTO)/include
+	install -m 644 $(KERNELS) $(INTO)/share/feeler/kernels
+	install -m 644 docs/feeler.1 $(INTO)/share/man/man1
+	printf '%s\n' 'prefix=$(PREFIX)' 'Name: feeler' 'Description: a Whitted ray tracer on OpenCL' \
+	  'Version: $(VERSION)' 'Libs: -L$${prefix}/lib -lfeeler' 'Cflags: -I$${prefix}/include' > $(INTO)/lib/pkgconfig/feeler.pc
+
+uninstall: ## remove what install has put there
+	rm -rf $(addprefix $(INTO)/,bin/feeler lib/libfeeler.so lib/pkgconfig/feeler.pc include/feeler.h share/feeler \
+	  share/man/man1/feeler.1)
+
+# ---- checking it
+
+.PHONY: test test-long test-peers
+test: ready ## set up, build and test (ARGS= goes to pytest)
+	$(VENV)/bin/pytest -q $(ARGS)
+
+test-long: ready ## the tests that take minutes
+	$(VENV)/bin/pytest -q -m slow $(ARGS)
+
+test-peers: ready ## compare with other renderers
+	$(VENV)/bin/pytest -q -rs -m peers $(ARGS)
+
+.PHONY: lint format check-exports
+lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's opinion
+	clang-format --dry-run -Werror host/*.c host/*.cpp
+	$(VENV)/bin/ruff check
+	$(VENV)/bin/ruff format --check
+	$(VENV)/bin/mypy
+	@$(MAKE) --no-print-directory check-exports
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/clang CC=clang CXX=clang++ CFLAGS=-O1 all
+
+format: ## write every file as lint wants it
+	clang-format -i host/*.c host/*.cpp
+	$(VENV)/bin/ruff check --fix
+	$(VENV)/bin/ruff format
+
+# Templates of the C++ library are visible whatever the compiler is told, so the linker has a list.
+$(BUILD)/libfeeler.so: | host/feeler.map
+$(BUILD)/libfeeler.so: override LDFLAGS += -Wl,--version-script=host/feeler.map
+
+check-exports: all
+	@! nm -D --defined-only $(BUILD)/libfeeler.so | grep -v ' feeler_' || { echo 'these must not leave the library'; exit 1; }
+
+# Both run the program over every scene and every bad input: see tests/over_everything.
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+.PHONY: sanitize valgrind oclgrind
+sanitize: deps ## the program over all scenes and bad inputs, with ASan and UBSan
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/sanitize CFLAGS='-O1 -g $(SANITIZE)' LDFLAGS='$(SANITIZE)' all
+	LSAN_OPTIONS=suppressions=tests/leaks.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
+	  tests/over_everything $(BUILD)/sanitize/feeler
+
+valgrind: deps-lint all ## the program over all scenes and bad inputs, under valgrind
+	tests/over_everything valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite \
+	  --suppressions=tests/valgrind.supp $(BUILD)/feeler
+
+oclgrind: deps-lint all ## the kernels on a tiny picture of every scene, under oclgrind
+	tests/under_oclgrind $(BUILD)/feeler
+
+.PHONY: fuzz
+FUZZ_SECONDS ?= 60
+fuzz: deps-lint ## feed broken scenes to the readers under ASan (FUZZ_SECONDS=60)
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/fuzz CC=clang CXX=clang++ \
+	  CFLAGS='-O1 -g -fsanitize=fuzzer-no-link,address,undefined' LDFLAGS='-fsanitize=fuzzer,address,undefined' \
+	  $(BUILD)/fuzz/fuzz_readers
+	@mkdir -p $(BUILD)/fuzz/corpus
+	@cp scenes/*.yaml tests/bad/*/*.yaml tests/bad/*/*.nff $(BUILD)/fuzz/corpus 2>/dev/null || true
+	LSAN_OPTIONS=suppressions=tests/leaks.supp $(BUILD)/fuzz/fuzz_readers -max_total_time=$(FUZZ_SECONDS) -timeout=10 \
+	  -rss_limit_mb=4096 -close_fd_mask=2 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus
+
+$(BUILD)/fuzz_readers: tests/fuzz_readers.c $(LIB_OBJECTS)
+	$(CC) $(ALL_CFLAGS) -c -o $@.o $<
+	$(CXX) -pthread $(LDFLAGS) -o $@ $@.o $(LIB_OBJECTS) $(LDLIBS) -lOpenImageIO -lOpenImageIO_Util
+
+# ---- cleaning up
+
+.PHONY: clean distclean
+clean: ## remove what was built
 	rm -rf $(BUILD)
+
+distclean: clean ## remove everything that git does not track and make can make again
+	rm -rf $(VENV) gallery python/*.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests -name __pycache__ -prune -exec rm -rf {} +

@@ -69,16 +69,18 @@ class Layout:
             yield Leaf(path, KINDS[type_])
         else:
             for member in self.members(type_):
-                yield from self.leaves(member.type, member.count, f"{path}.{member.name}")
+                if not member.space:
+                    yield from self.leaves(member.type, member.count, f"{path}.{member.name}")
+
+    def tables(self, type_: str, path: str = "") -> Iterator[tuple[str, Variable]]:
+        """The pointers among a struct's own members, each with its path."""
+        if type_ not in KINDS:
+            yield from ((f"{path}.{member.name}", member) for member in self.members(type_) if member.space)
 
     def members(self, type_: str) -> tuple[Variable, ...]:
         if type_ not in self.structs:
             raise Error(f"probe does not know the type {type_!r}")
-        members = self.structs[type_]
-        pointer = next((member.name for member in members if member.space), None)
-        if pointer:
-            raise Error(f"probe cannot fill {type_!r}: its member {pointer!r} is a pointer")
-        return members
+        return self.structs[type_]
 
     def numbers(self, type_: str, count: int = 0) -> tuple[npt.DTypeLike, int]:
         """The one number type of a value and how many numbers it is; an error where types mix."""
@@ -111,9 +113,10 @@ class Layout:
             value = dict(zip([member.name for member in members], value, strict=True))
         given = set(value if isinstance(value, Mapping) else value.dtype.names)
         wrong = given.symmetric_difference(member.name for member in members)
+        wrong -= {member.name for member in members if member.space}  # a table may be left out
         if wrong:
             raise Error(f"{name}: members {', '.join(sorted(wrong))} are unknown or missing in {type_!r}")
-        parts = (self.split(m.type, value[m.name], f"{name}.{m.name}", m.count) for m in members)
+        parts = (self.split(m.type, value[m.name], f"{name}.{m.name}", m.count) for m in members if not m.space)
         return [leaf for part in parts for leaf in part]
 
     def _split_numbers(self, type_: str, value: Any, name: str, count: int) -> list[Array]:
@@ -143,7 +146,7 @@ class Layout:
             return np.stack(items, axis=-1) if type_ in KINDS and KINDS[type_].width == 1 else tuple(items)
         if type_ in KINDS:
             return next(parts)
-        members = self.members(type_)
+        members = [member for member in self.members(type_) if not member.space]
         values = [self.join(member.type, parts, member.count) for member in members]
         if all(KINDS.get(member.type) == KINDS["reals"] and not member.count for member in members):
             return np.stack(values, axis=-1)

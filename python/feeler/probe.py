@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import warnings
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +35,8 @@ def probe(
         any struct                              a dict or tuple of its members, or a structured array
         T x[N] in a struct                      (…, N), or a tuple of N values
         private T *x                            as T; what the function leaves there is returned
-        global T *x, constant T *x              one array for all, not broadcast: (n, numbers of T)
+        global T *x, constant T *x              one array for all, not broadcast: (n, numbers of T); as a struct's
+                                                member (give a dict then) it may be left out
 
     None stands for zeros. Numbers are rounded to the level's type. A struct comes back as a named tuple of arrays.
 
@@ -77,6 +79,18 @@ class _Slot(NamedTuple):
     place: int
 
 
+class _Table(NamedTuple):
+    """A whole array behind a pointer: a parameter, or a member (then C assigns it to `target`) of one."""
+
+    target: str
+    pointer: Variable
+    parameter: Variable
+
+
+def _member(value: Any, name: str) -> Any:
+    return value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+
+
 class _Call:
     """A function, how its arguments are laid out, and the kernel that calls it."""
 
@@ -84,10 +98,13 @@ class _Call:
         self.function = function
         self.layout = layout
         self.values = [p for p in function.parameters if p.space in ("", "private")]
-        self.shared = [p for p in function.parameters if p.space not in ("", "private")]
-        for parameter in self.shared:
-            if parameter.space == "local":
-                raise Error(f"{function.name}: probe cannot give the local array {parameter.name!r}")
+        self.tables = [_Table("", p, p) for p in function.parameters if p.space not in ("", "private")]
+        self.tables += [
+            _Table(f"v_{p.name}{path}", member, p) for p in self.values for path, member in layout.tables(p.type)
+        ]
+        for table in self.tables:
+            if table.pointer.space == "local":
+                raise Error(f"{function.name}: probe cannot give the local array {table.pointer.name!r}")
         self.inputs = self._slots([(f"v_{p.name}", p) for p in self.values])
         returned = [("result", Variable("result", function.returns))] if function.returns != "void" else []
         self.outputs = returned + [(f"v_{p.name}", p) for p in self.values if p.space and not p.constant]
@@ -107,11 +124,15 @@ class _Call:
         """The kernel: reads each leaf, calls the function, writes each leaf of what came of it."""
         pointers = [f"global const {stored} *in_{stored}" for stored in _stored(self.inputs)]
         pointers += [f"global {stored} *out_{stored}" for stored in _stored(self.results)]
-        pointers += [f"{p.space} {'const ' * p.constant}{p.type} *v_{p.name}" for p in self.shared]
+        pointers += [
+            f"{table.pointer.space} {'const ' * table.pointer.constant}{table.pointer.type} *{self._argument(table)}"
+            for table in self.tables
+        ]
         result = "" if self.function.returns == "void" else f"{self.function.returns} result = "
         passed = ", ".join(f"{'&' * (p.space == 'private')}v_{p.name}" for p in self.function.parameters)
         lines = [f"{p.type} v_{p.name}{f'[{p.count}]' if p.count else ''};" for p in self.values]
         lines += [f"{s.target} = in_{s.leaf.kind.stored}[{s.place} * n + i];" for s in self.inputs]
+        lines += [f"{table.target} = {self._argument(table)};" for table in self.tables if table.target]
         lines += [f"{result}{self.function.name}({passed});"]
         lines += [f"out_{s.leaf.kind.stored}[{s.place} * n + i] = {s.target};" for s in self.results]
         body = "\n".join(
@@ -119,6 +140,10 @@ class _Call:
         )
         widths = f"typedef char probe_width[sizeof(reals) == {self.layout.lanes} * sizeof(real) ? 1 : -1];"
         return f'\n#line 1 "probe"\n{widths}\nkernel void probe_kernel({", ".join(pointers)})\n{{\n{body}\n}}\n'
+
+    @staticmethod
+    def _argument(table: _Table) -> str:
+        return f"t_{table.parameter.name}_{table.pointer.name}" if table.target else f"v_{table.parameter.name}"
 
     def run(self, arguments: tuple[Any, ...], queue: Any, options: str) -> Any:
         given = dict(zip(self.function.parameters, arguments, strict=True))
@@ -128,7 +153,7 @@ class _Call:
             for part in self.layout.split(p.type, given[p], f"{self.function.name}: {p.name}", p.count)
         ]
         grid = _Grid(self.inputs, parts, self.layout.lanes, self.function.name)
-        shared = [self._shared_array(p, given[p]) for p in self.shared]
+        tables = [self._table(table, given[table.parameter]) for table in self.tables]
         filled = {
             stored: np.concatenate([
                 grid.spread(slot.leaf, part).ravel().astype(self.layout.dtypes[slot.leaf.kind.number])
@@ -138,10 +163,13 @@ class _Call:
         }  # fmt: skip
         empty = {stored: self._empty(stored, grid.items) for stored in _stored(self.results)}
         kernel = _build(queue.context, options, self.source())
-        _launch(queue, kernel, grid.items, [*filled.values()], [*empty.values(), *shared])
+        _launch(queue, kernel, grid.items, [*filled.values()], [*empty.values(), *tables])
         found = iter([grid.gather(slot.leaf, empty[slot.leaf.kind.stored], slot.place) for slot in self.results])
         results = [self.layout.join(variable.type, found, variable.count) for _, variable in self.outputs]
-        results += [a for p, a in zip(self.shared, shared, strict=True) if p.space == "global" and not p.constant]
+        writable = [
+            not table.target and table.pointer.space == "global" and not table.pointer.constant for table in self.tables
+        ]
+        results += [array for array, left in zip(tables, writable, strict=True) if left]
         return results[0] if len(results) == 1 else tuple(results)
 
     def _empty(self, stored: str, items: int) -> Array:
@@ -149,11 +177,15 @@ class _Call:
         width = self.layout.lanes if kinds[0].lanes else kinds[0].width
         return np.zeros((len(kinds), items, width), self.layout.dtypes[kinds[0].number])
 
-    def _shared_array(self, parameter: Variable, value: Any) -> Array:
-        dtype, width = self.layout.numbers(parameter.type)
-        array = np.array(value, dtype, order="C")
+    def _table(self, table: _Table, value: Any) -> Array:
+        """The array for a pointer; for a struct's member that was left out an empty one."""
+        dtype, width = self.layout.numbers(table.pointer.type)
+        if table.target:
+            value = _member(value, table.pointer.name)
+        array = np.array(np.zeros((0, width)) if value is None else value, dtype, order="C")
         if width > 1 and (array.ndim != 2 or array.shape[1] != width):
-            raise Error(f"{self.function.name}: {parameter.name}: the shape is {array.shape}, not (n, {width})")
+            name = f"{self.function.name}: {table.parameter.name}: {table.pointer.name}"
+            raise Error(f"{name}: the shape is {array.shape}, not (n, {width})")
         return array
 
 

@@ -1,0 +1,83 @@
+"""What the tests share: paths, the program, devices. Nothing here knows what is tested."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import hypothesis
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = Path(os.environ.get("FEELER_LIBRARY", ROOT / "build"))
+
+# A kernel's first compilation takes seconds, and a failing example must be found again: no deadline, no chance.
+hypothesis.settings.register_profile("feeler", deadline=None, derandomize=True, max_examples=50, database=None)
+hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "feeler"))
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def scenes(root: Path) -> Path:
+    """The folder of the scenes that come with feeler."""
+    return root / "scenes"
+
+
+@pytest.fixture(scope="session")
+def spd() -> Path:
+    """The folder of the classic databases (balls.nff …): $FEELER_SPD, or beside the checkout."""
+    folder = Path(os.environ.get("FEELER_SPD", ROOT.parent / "shared" / "spd"))
+    if not (folder / "balls.nff").is_file():
+        pytest.skip(f"the classic scenes are not in {folder}: set FEELER_SPD to the folder of balls.nff")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def peers() -> Path:
+    """The folder of the programs to compare with: $FEELER_PEERS, or beside the checkout."""
+    folder = Path(os.environ.get("FEELER_PEERS", ROOT.parent / "shared" / "peers"))
+    if not folder.is_dir():
+        pytest.skip(f"there is no {folder}: set FEELER_PEERS to the folder of the programs to compare with")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def program() -> Path:
+    """The command-line program."""
+    path = BUILD / "feeler"
+    if not path.is_file():
+        pytest.fail(f"{path} is missing: run `make`")
+    return path
+
+
+@pytest.fixture
+def cli(program: Path, tmp_path: Path) -> Any:
+    """Runs the program with arguments, in a fresh folder; the result has returncode, stdout and stderr."""
+
+    def run(*arguments: Any, **options: Any) -> subprocess.CompletedProcess[str]:
+        command = [program, *map(str, arguments)]
+        options = {"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 300, **options}
+        return subprocess.run(command, check=False, **options)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def queue() -> Any:
+    """A pyopencl queue on PoCL's CPU device."""
+    cl = pytest.importorskip("pyopencl")
+    try:
+        platforms = cl.get_platforms()
+    except cl.Error:
+        platforms = []
+    for platform in platforms:
+        if platform.name == "Portable Computing Language":
+            return cl.CommandQueue(cl.Context(platform.get_devices()[:1]))
+    pytest.skip("there is no PoCL: install pocl-opencl-icd")
