@@ -1,7 +1,8 @@
 /* mesh_check.c - whether a mesh file is all there, before assimp reads it.
  *
- * assimp 5.2 takes a PLY file that was cut short, repeats its last line or reads beyond its end, and says nothing. The walk
- * over the file here knows only how long each element is, from the header.
+ * assimp 5.2 takes a PLY file that was cut short, repeats its last line or reads beyond its end, and says nothing; a text
+ * STL file that was cut short makes it leak. The walk over a PLY file here knows only how long each element is, from the
+ * header.
  */
 #include "mesh_file.h"
 
@@ -184,6 +185,38 @@ static int check_ply(FILE *file, char *why, size_t size) {
     return code;
 }
 
+/* ---- STL ---- */
+
+/* Binary STL says how many triangles of 50 bytes follow its header of 84 bytes; text begins with "solid" and ends with
+ * "endsolid" and perhaps a name. */
+static int check_stl(FILE *file, unsigned long long length, char *why, size_t size) {
+    unsigned char head[84] = {0};
+    char tail[1025] = "";
+    size_t got = fread(head, 1, sizeof head, file);
+    unsigned long long count = head[80] | head[81] << 8 | (unsigned long long)head[82] << 16 | (unsigned long long)head[83] << 24;
+    if (got == sizeof head && length == sizeof head + 50 * count)
+        return FEELER_OK;
+    if (memcmp(head, "solid", 5) != 0) {
+        if (got < sizeof head)
+            snprintf(why, size, "is cut short: it ends within the header");
+        else
+            snprintf(why, size, "is cut short or no STL file: %llu triangles need %llu bytes, but it has %llu", count,
+                     sizeof head + 50 * count, length);
+        return FEELER_BAD_INPUT;
+    }
+    if (length > sizeof tail - 1 && fseek(file, -(long)(sizeof tail - 1), SEEK_END))
+        return FEELER_OK;
+    if (length <= sizeof tail - 1)
+        rewind(file);
+    got = fread(tail, 1, sizeof tail - 1, file);
+    tail[got] = 0;
+    if (strlen(tail) == got && !strstr(tail, "endsolid")) {
+        snprintf(why, size, "is cut short: it ends without 'endsolid'");
+        return FEELER_BAD_INPUT;
+    }
+    return FEELER_OK;
+}
+
 int mesh_check_file(const char *path, char *why, size_t size) {
     struct stat about;
     FILE *file = fopen(path, "rb");
@@ -198,8 +231,12 @@ int mesh_check_file(const char *path, char *why, size_t size) {
         snprintf(why, size, "is a folder, not a mesh file");
     else if (S_ISREG(about.st_mode) && about.st_size == 0)
         snprintf(why, size, "is empty");
+    else if (mesh_ends_with(path, ".ply"))
+        code = check_ply(file, why, size);
+    else if (mesh_ends_with(path, ".stl") && S_ISREG(about.st_mode))
+        code = check_stl(file, (unsigned long long)about.st_size, why, size);
     else
-        code = mesh_ends_with(path, ".ply") ? check_ply(file, why, size) : FEELER_OK;
+        code = FEELER_OK;
     fclose(file);
     return code;
 }

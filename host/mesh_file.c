@@ -1,5 +1,6 @@
 /* mesh_file.c - meshes and their materials from files, through assimp. */
 #include "mesh_file.h"
+#include "mesh_io.h"
 #include "vec.h"
 
 #include <assimp/cimport.h>
@@ -22,6 +23,7 @@ typedef struct import {
     int *materials;               /* per material of the file: the scene's index, or -1 */
     size_t triangles, leftovers;  /* found so far; leftovers are points and lines */
     bool colours;
+    mesh_io io;
     feeler_error *error;
 } import;
 
@@ -70,7 +72,8 @@ static int read_file(import *in) {
     if (!aiIsExtensionSupported(ending))
         return refuse(in, FEELER_BAD_INPUT, "'%s' is not a known mesh format", ending);
     pthread_mutex_lock(&assimp_lock);
-    in->file = aiImportFile(in->path, 0);
+    mesh_io_start(&in->io);
+    in->file = aiImportFileEx(in->path, 0, &in->io.calls);
     if (!in->file)
         copy_reason(why, sizeof why);
     pthread_mutex_unlock(&assimp_lock);
@@ -264,6 +267,9 @@ static int warn(import *in) {
         return -1;
     if (in->material >= 0)
         return 0;
+    if (in->io.missing[0]
+        && scene_warn(in->scene, in->error, "mesh '%s': the materials in '%s' cannot be opened", in->path, in->io.missing))
+        return -1;
     if (in->colours && scene_warn(in->scene, in->error, "mesh '%s': colours of vertices are not used", in->path))
         return -1;
     return has_textures(in) ? scene_warn(in->scene, in->error, "mesh '%s': textures are not used", in->path) : 0;

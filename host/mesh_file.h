@@ -7,7 +7,7 @@
 struct aiMaterial;
 
 /* mesh_check.c: what assimp does not see. FEELER_OK when the file at `path` can be opened, is no folder, is not empty, and,
- * where it is a PLY file, holds all that its header promises; else another feeler_code, with the reason in `why`. */
+ * being PLY or STL, is whole; else another feeler_code, with the reason in `why`. */
 int mesh_check_file(const char *path, char *why, size_t size);
 /* Whether the file's name ends so, whatever the case; `ending` with its dot. */
 bool mesh_ends_with(const char *path, const char *ending);
