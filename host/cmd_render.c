@@ -129,6 +129,10 @@ static int trace(job *j, const char *path, const char *name, feeler_image **imag
         return report_error(&error);
     for (int i = 0; (warning = feeler_scene_warning(scene, i)); i++)
         report_warning(warning);
+    if (progress_interrupted()) {
+        feeler_scene_free(scene);
+        return EXIT_INTERRUPTED;
+    }
 
     if (!j->device)
         j->device = feeler_device_open(j->select, &error);

@@ -202,6 +202,20 @@ bool write_pixels(OIIO::ImageOutput &out, const feeler_image &image, int channel
     return out.write_image(OIIO::TypeDesc::UINT8, srgb_values<uint8_t>(image, channels).data());
 }
 
+// Comment lines of an HDR file. Readers with a fixed buffer, OpenImageIO's among them, stumble over long ones.
+std::string hdr_comment(const note &n) {
+    const size_t longest = 100;
+    std::string text = "feeler:" + n.key + ": " + n.text, lines;
+    while (text.size() > longest) {
+        size_t space = text.rfind(' ', longest);
+        size_t cut = space == std::string::npos || space == 0 ? longest : space;
+        lines += "# " + text.substr(0, cut) + "\n";
+        text.erase(0, cut == space ? cut + 1 : cut);
+    }
+    lines += "# " + text + "\n";
+    return lines;
+}
+
 // OpenImageIO writes no metadata into HDR files. Their header takes comment lines after the first line.
 bool add_hdr_comments(const char *path, const std::vector<note> &notes) {
     std::ifstream in(path, std::ios::binary);
@@ -210,12 +224,8 @@ bool add_hdr_comments(const char *path, const std::vector<note> &notes) {
     if (!in || line_end == std::string::npos)
         return false;
     std::string comments;
-    for (const note &n : notes) {
-        std::string text = n.text;
-        for (char &c : text)
-            c = c == '\n' ? ' ' : c;
-        comments += "# feeler:" + n.key + ": " + text + "\n";
-    }
+    for (const note &n : notes)
+        comments += hdr_comment(n);
     whole.insert(line_end + 1, comments);
     std::ofstream out(path, std::ios::binary | std::ios::trunc);
     out.write(whole.data(), std::streamsize(whole.size()));
