@@ -62,7 +62,7 @@ def cli(program: Path, tmp_path: Path) -> Any:
     """Runs the program with arguments, in a fresh folder; the result has returncode, stdout and stderr."""
 
     def run(*arguments: Any, **options: Any) -> subprocess.CompletedProcess[str]:
-        command = [program, *map(str, arguments)]
+        command = [str(program), *map(str, arguments)]
         options = {"cwd": tmp_path, "capture_output": True, "text": True, "timeout": 300, **options}
         return subprocess.run(command, check=False, **options)
 

@@ -10,8 +10,9 @@
 
     scene = feeler.Scene({
         "camera": {"eye": [0, 0, 5], "look_at": [0, 0, 0]},
-        "lights": [{"position": [3, 4, 5]}],
-        "objects": [{"sphere": {"centre": [0, 0, 0], "radius": 1}}],
+        "lights": [{"point": [3, 4, 5]}],
+        "materials": {"red": {"diffuse": [0.8, 0.1, 0.1]}},
+        "objects": [{"sphere": {"radius": 1}, "material": "red"}],
     })
 
 `image.pixels` is a numpy array of the shape (height, width, 4): linear red, green, blue and associated alpha, row 0 at
