@@ -1,4 +1,5 @@
 /* mesh_file.c - meshes and their materials from files, through assimp. */
+#include "mesh.h"
 #include "mesh_file.h"
 #include "mesh_io.h"
 #include "vec.h"
@@ -141,6 +142,7 @@ static vec3 to_normal(const transform *t, const struct aiVector3D *v, bool mirro
     vec3 n = {v->x, v->y, v->z};
     vec3 x = row_of(t, 0), y = row_of(t, 1), z = row_of(t, 2);
     vec3 turned = {vec_dot(vec_cross(y, z), n), vec_dot(vec_cross(z, x), n), vec_dot(vec_cross(x, y), n)};
+    vec_normalize(&turned); /* zero and infinity stay, to be replaced */
     return mirrored ? vec_scale(turned, -1) : turned;
 }
 
@@ -190,13 +192,13 @@ static int copy_triangles(import *in, const struct aiMesh *from, const transform
 static int copy_mesh(import *in, const struct aiMesh *from, const transform *t, scene_mesh *to) {
     if (copy_vertices(in, from, t, to) || copy_triangles(in, from, t, to))
         return -1;
-    if (to->normals && mesh_mend_normals(to, in->error))
+    if (to->normals && mesh_complete_normals(to, in->error))
         return -1;
     if (to->normals)
         mesh_drop_facet_normals(to);
     if (mesh_weld(to, in->error))
         return -1;
-    return in->smooth == 1 && !to->normals ? mesh_make_smooth(to, in->error) : 0;
+    return in->smooth == 1 && !to->normals ? mesh_complete_normals(to, in->error) : 0;
 }
 
 static int material_index(import *in, unsigned index) {

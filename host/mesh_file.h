@@ -12,17 +12,13 @@ int mesh_check_file(const char *path, char *why, size_t size);
 /* Whether the file's name ends so, whatever the case; `ending` with its dot. */
 bool mesh_ends_with(const char *path, const char *ending);
 
-/* mesh_weld.c. All work in place; each returns 0, or -1 when out of memory. */
+/* mesh_weld.c. All work in place. */
 
-/* Drops the normals where they say no more than the triangles themselves do: flat shading, and corners that can be welded. */
+/* Drops the normals, of length 1, where they say no more than the triangles themselves do: flat shading, and corners that can be welded. */
 void mesh_drop_facet_normals(scene_mesh *mesh);
 /* Makes one vertex of those with the same position and normal, bit for bit, and drops those that no triangle uses: a surface
  * that is closed in space is closed in its indices. */
 int mesh_weld(scene_mesh *mesh, feeler_error *error);
-/* Gives every vertex the mean of its triangles' normals, weighted by their angles. */
-int mesh_make_smooth(scene_mesh *mesh, feeler_error *error);
-/* Replaces normals of length 0 or not finite by those of mesh_make_smooth. */
-int mesh_mend_normals(scene_mesh *mesh, feeler_error *error);
 void mesh_clear(scene_mesh *mesh);
 
 /* mesh_material.c: a material of the file in terms of the model; for one that says nothing, the pale default. */

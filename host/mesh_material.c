@@ -143,13 +143,14 @@ int mesh_material_set(scene_material *m, const struct aiMaterial *source, feeler
     m->ambient = m->diffuse = m->specular = m->emission = grey(0);
     m->diffuse_transmission = m->specular_transmission = m->reflection = m->transmission = grey(0);
     m->ior = m->shininess = 1;
-    if (!source || is_made_up(source, name.data))
+    bool made_up = !source || is_made_up(source, name.data);
+    if (made_up)
         set_default(m);
     else if (has(source, AI_MATKEY_METALLIC_FACTOR) && !has(source, ILLUM_KEY))
         set_metallic(m, source);
     else
         set_phong(m, source);
-    if (*name.data && !(m->name = strdup(name.data)))
+    if (!made_up && *name.data && !(m->name = strdup(name.data)))
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     return 0;
 }

@@ -1,4 +1,4 @@
-/* mesh_weld.c - equal vertices made one, and normals. */
+/* mesh_weld.c - equal vertices made one, and normals that say nothing dropped. */
 #include "mesh_file.h"
 #include "vec.h"
 
@@ -108,69 +108,4 @@ void mesh_drop_facet_normals(scene_mesh *mesh) {
     }
     free(mesh->normals);
     mesh->normals = NULL;
-}
-
-/* The angle at the first of three points. */
-static double angle_at(vec3 at, vec3 b, vec3 c) {
-    vec3 p = vec_subtract(b, at), q = vec_subtract(c, at);
-    if (!vec_normalize(&p) || !vec_normalize(&q))
-        return 0;
-    vec3 sine = vec_cross(p, q);
-    return atan2(vec_length(sine), vec_dot(p, q));
-}
-
-static void add_facet(const scene_mesh *mesh, const uint32_t *corner, vec3 facet, vec3 *sums) {
-    for (int k = 0; k < 3; k++) {
-        uint32_t a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
-        double angle = angle_at(mesh->vertices[a], mesh->vertices[b], mesh->vertices[c]);
-        sums[a] = vec_add(sums[a], vec_scale(facet, angle));
-    }
-}
-
-/* One unit normal per vertex, to be freed; NULL when out of memory. */
-static vec3 *smooth_normals(const scene_mesh *mesh, feeler_error *error) {
-    vec3 *normals = calloc(mesh->vertex_count + 1, sizeof *normals);
-    if (!normals) {
-        fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
-        return NULL;
-    }
-    vec3 facet;
-    for (size_t i = 0; i < mesh->triangle_count; i++)
-        if (facet_normal(mesh, mesh->indices + 3 * i, &facet))
-            add_facet(mesh, mesh->indices + 3 * i, facet, normals);
-    for (size_t i = 0; i < mesh->triangle_count; i++) /* where triangles cancel out, one of them decides */
-        for (int k = 0; k < 3; k++) {
-            vec3 *normal = &normals[mesh->indices[3 * i + k]];
-            if (vec_dot(*normal, *normal) < 1e-12 && facet_normal(mesh, mesh->indices + 3 * i, &facet))
-                *normal = facet;
-        }
-    for (size_t i = 0; i < mesh->vertex_count; i++)
-        if (!vec_normalize(&normals[i]))
-            normals[i] = (vec3){0, 0, 1}; /* of degenerate triangles only, which are dropped */
-    return normals;
-}
-
-int mesh_make_smooth(scene_mesh *mesh, feeler_error *error) {
-    vec3 *normals = smooth_normals(mesh, error);
-    if (!normals)
-        return -1;
-    free(mesh->normals);
-    mesh->normals = normals;
-    return 0;
-}
-
-int mesh_mend_normals(scene_mesh *mesh, feeler_error *error) {
-    size_t good = 0;
-    while (good < mesh->vertex_count && vec_normalize(&mesh->normals[good]))
-        good++;
-    if (good == mesh->vertex_count)
-        return 0;
-    vec3 *normals = smooth_normals(mesh, error);
-    if (!normals)
-        return -1;
-    for (size_t i = 0; i < mesh->vertex_count; i++)
-        if (!vec_normalize(&mesh->normals[i]))
-            mesh->normals[i] = normals[i];
-    free(normals);
-    return 0;
 }
