@@ -50,7 +50,7 @@ $(BUILD)/kernel_source.o: $(BUILD)/kernel_source.c
 
 # The kernels as one C array, each file behind a #line so that a build error names it.
 $(BUILD)/kernel_source.c: $(KERNELS) Makefile | $(BUILD)
-	@{ echo 'extern const char feeler_kernel_text[];'; echo 'const char feeler_kernel_text[] = {'; \
+	@{ echo 'extern const unsigned char feeler_kernel_text[];'; echo 'const unsigned char feeler_kernel_text[] = {'; \
 	   for f in $(KERNELS); do echo "#line 1 \"$${f#kernels/}\""; cat $$f; done | od -An -v -tx1 | sed 's/ \(..\)/0x\1,/g'; \
 	   echo '0};'; } > $@
 

@@ -19,6 +19,7 @@
 
 static const double brightest = 1e6;  /* of lights and background, as of every emission */
 static const double sharpest = 1e6;   /* greatest shininess */
+enum { widest = 65536 };              /* pixels a side */
 
 typedef struct nff_reader {
     nff_text text;
@@ -68,8 +69,8 @@ static int read_view_value(nff_reader *r, int key) {
     case HITHER: /* helps programs with a depth buffer; a ray tracer does not clip */
         return nff_number(t, "the hither distance", -HUGE_VAL, HUGE_VAL, &hither);
     default:
-        TRY(nff_whole_number(t, "the picture's width", 1, INT_MAX, &r->scene->width));
-        return nff_whole_number(t, "the picture's height", 1, INT_MAX, &r->scene->height);
+        TRY(nff_whole_number(t, "the picture's width", 1, widest, &r->scene->width));
+        return nff_whole_number(t, "the picture's height", 1, widest, &r->scene->height);
     }
 }
 

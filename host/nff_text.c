@@ -136,9 +136,9 @@ int nff_number(nff_text *text, const char *what, double low, double high, double
     if (result == NUMBER_NOT_FINITE)
         return nff_fail(text, "%s should be a finite number, not '%.*s'", what, shown, text->word);
     if ((number < low || number > high) && isfinite(low) && isfinite(high))
-        return nff_fail(text, "%s should be from %g to %g, not %g", what, low, high, number);
+        return nff_fail(text, "%s should be from %.10g to %.10g, not %.10g", what, low, high, number);
     if (number < low || number > high)
-        return nff_fail(text, "%s should be at %s %g, not %g", what, number < low ? "least" : "most",
+        return nff_fail(text, "%s should be at %s %.10g, not %.10g", what, number < low ? "least" : "most",
                         number < low ? low : high, number);
     *value = number;
     return 0;
@@ -149,7 +149,7 @@ int nff_whole_number(nff_text *text, const char *what, int low, int high, int *v
     if (nff_number(text, what, low, high, &number))
         return -1;
     if (number != floor(number))
-        return nff_fail(text, "%s should be a whole number, not %g", what, number);
+        return nff_fail(text, "%s should be a whole number, not %.10g", what, number);
     *value = (int)number;
     return 0;
 }

@@ -1,5 +1,5 @@
-/* features.h - what a scene may need. Packing defines each as 1 or 0 by build option; what is 0 is not compiled. Without
- * an option everything is there: the general kernel, whose pictures have the same bits. */
+// features.cl - what a scene may need. Packing defines each as 1 or 0 by build option; what is 0 is not compiled. Without
+// an option everything is there: the general kernel, whose pictures have the same bits.
 #ifndef HAS_SPHERE
 #define HAS_SPHERE 1
 #endif

@@ -1,0 +1,78 @@
+/* features.c - what a scene needs of the kernels: what no object uses is not compiled. */
+#include "packed.h"
+
+const char *const feature_names[FEATURE_COUNT] = {
+    "SPHERE",
+    "PLANE",
+    "DISC",
+    "BOX",
+    "TRIANGLE",
+    "POLYGON",
+    "CONE",
+    "SMOOTH",
+    "ONE_SIDED",
+    "DIFFUSE",
+    "SPECULAR",
+    "DIFFUSE_TRANSMISSION",
+    "SPECULAR_TRANSMISSION",
+    "REFLECTION",
+    "TRANSMISSION",
+    "PRIORITY",
+    "FRESNEL",
+    "TOTAL_REFLECTION",
+    "SHADOWS",
+    "FILTERED_SHADOWS",
+    "TREE",
+};
+
+/* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
+enum { MOST_MEDIA = 8 };
+
+bool is_black(vec3 colour) {
+    return colour.x == 0 && colour.y == 0 && colour.z == 0;
+}
+
+static uint32_t bit(feature feature, bool on) {
+    return on ? UINT32_C(1) << feature : 0;
+}
+
+static uint32_t shape_features(const scene_object *object) {
+    static const feature kinds[] = {
+        [SHAPE_SPHERE] = FEATURE_SPHERE,     [SHAPE_PLANE] = FEATURE_PLANE,     [SHAPE_DISC] = FEATURE_DISC,
+        [SHAPE_BOX] = FEATURE_BOX,           [SHAPE_TRIANGLE] = FEATURE_TRIANGLE, [SHAPE_POLYGON] = FEATURE_POLYGON,
+        [SHAPE_CONE] = FEATURE_CONE,         [SHAPE_MESH] = FEATURE_TRIANGLE,
+    };
+    bool smooth = (object->shape == SHAPE_TRIANGLE && object->triangle.smooth) ||
+                  (object->shape == SHAPE_MESH && object->mesh.normals);
+    return bit(kinds[object->shape], true) | bit(FEATURE_SMOOTH, smooth) |
+           bit(FEATURE_ONE_SIDED, object->sides != BOTH_SIDES);
+}
+
+static uint32_t material_features(const scene_material *m) {
+    return bit(FEATURE_DIFFUSE, !is_black(m->diffuse)) | bit(FEATURE_SPECULAR, !is_black(m->specular)) |
+           bit(FEATURE_DIFFUSE_TRANSMISSION, !is_black(m->diffuse_transmission)) |
+           bit(FEATURE_SPECULAR_TRANSMISSION, !is_black(m->specular_transmission)) |
+           bit(FEATURE_REFLECTION, !is_black(m->reflection)) | bit(FEATURE_TRANSMISSION, !is_black(m->transmission)) |
+           bit(FEATURE_FRESNEL, m->fresnel && !is_black(m->transmission)) |
+           bit(FEATURE_TOTAL_REFLECTION, m->total_reflection && !is_black(m->transmission)) |
+           bit(FEATURE_PRIORITY, m->priority != 0 && !is_black(m->transmission));
+}
+
+uint32_t scene_features(const feeler_scene *scene) {
+    uint32_t features = 0;
+    for (size_t i = 0; i < scene->object_count; i++)
+        features |= shape_features(&scene->objects[i]) | material_features(&scene->materials[scene->objects[i].material]);
+    bool transmits = features & bit(FEATURE_TRANSMISSION, true);
+    /* Total internal reflection can leave a reflection where the material itself asks for none. */
+    features |= bit(FEATURE_REFLECTION, features & bit(FEATURE_TOTAL_REFLECTION, true));
+    features |= bit(FEATURE_SHADOWS, scene->shadows && scene->light_count > 0);
+    features |= bit(FEATURE_FILTERED_SHADOWS, scene->shadows && scene->filtered_shadows && transmits);
+    return features;
+}
+
+int scene_media(const feeler_scene *scene) {
+    int media = 1;
+    for (size_t i = 0; i < scene->object_count && media < MOST_MEDIA; i++)
+        media += !is_black(scene->materials[scene->objects[i].material].transmission);
+    return media;
+}

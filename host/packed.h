@@ -1,0 +1,110 @@
+/* packed.h - a scene as the device sees it: arrays in the kernels' layout, and the features that it needs.
+ *
+ * Packing works in double; for a float kernel every number is rounded to float as it is written, so that bounds are those
+ * of the rounded geometry and narrowing the arrays afterwards loses nothing. Coordinates are relative to `origin`.
+ */
+#ifndef FEELER_PACKED_H
+#define FEELER_PACKED_H
+
+#include "scene.h"
+#include "types.h"
+
+/* In the order of the kernels' parameters. */
+typedef enum packed_array {
+    ARRAY_PRIMITIVES,
+    ARRAY_SPHERES,
+    ARRAY_PLANES,
+    ARRAY_DISCS,
+    ARRAY_BOXES,
+    ARRAY_TRIANGLES,
+    ARRAY_VERTICES,
+    ARRAY_NORMALS,
+    ARRAY_POLYGONS,
+    ARRAY_POLYGON_RANGES,
+    ARRAY_CORNERS,
+    ARRAY_CONES,
+    ARRAY_NODES,
+    ARRAY_LINKS,
+    ARRAY_ORDER,
+    ARRAY_MATERIALS,
+    ARRAY_LIGHTS,
+    ARRAY_COUNT
+} packed_array;
+
+typedef struct array {
+    const char *name;
+    size_t element; /* bytes, in double */
+    bool is_real;   /* made of reals: halves when narrowed to float */
+    void *data;     /* owned */
+    size_t count, capacity;
+} array;
+
+/* What a scene may need; names[i] is the kernels' HAS_… of bit i. */
+typedef enum feature {
+    FEATURE_SPHERE,
+    FEATURE_PLANE,
+    FEATURE_DISC,
+    FEATURE_BOX,
+    FEATURE_TRIANGLE,
+    FEATURE_POLYGON,
+    FEATURE_CONE,
+    FEATURE_SMOOTH,
+    FEATURE_ONE_SIDED,
+    FEATURE_DIFFUSE,
+    FEATURE_SPECULAR,
+    FEATURE_DIFFUSE_TRANSMISSION,
+    FEATURE_SPECULAR_TRANSMISSION,
+    FEATURE_REFLECTION,
+    FEATURE_TRANSMISSION,
+    FEATURE_PRIORITY,
+    FEATURE_FRESNEL,
+    FEATURE_TOTAL_REFLECTION,
+    FEATURE_SHADOWS,
+    FEATURE_FILTERED_SHADOWS,
+    FEATURE_TREE,
+    FEATURE_COUNT
+} feature;
+
+extern const char *const feature_names[FEATURE_COUNT];
+
+typedef struct packed {
+    array arrays[ARRAY_COUNT];
+    bool is_double;
+    vec3 origin;      /* of the packed coordinates, in the scene's */
+    uint32_t features; /* bit i: feature i */
+    int media;        /* length of a ray's list of media */
+    size_t bounded;   /* primitives in the tree; the unbounded ones come after them in `order` */
+    double tree_seconds;
+} packed;
+
+/* Reads a validated scene. `brute_force`: without a tree. */
+int pack_scene(packed *packed, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error);
+void packed_free(packed *packed);
+
+/* The place of `count` new elements, zeroed; NULL when out of memory. */
+void *array_add(array *array, size_t count, feeler_error *error);
+
+/* The features of a scene (all but the tree), and the media that its rays may be in at once. */
+uint32_t scene_features(const feeler_scene *scene);
+int scene_media(const feeler_scene *scene);
+bool is_black(vec3 colour);
+
+/* Where a scene's coordinates are moved to: the middle of what is bounded, if that is far from 0 for its size. */
+vec3 scene_origin(const feeler_scene *scene);
+
+/* The box of the primitive with this number, as the device computes it. */
+bounds primitive_bounds(const packed *packed, size_t number);
+
+/* Builds the tree over the bounded primitives and fills nodes, links and order. */
+int build_tree(packed *packed, bool brute_force, feeler_error *error);
+
+/* The view of a scene for a picture of width x height pixels, as `real` of the packed kind. */
+view pack_view(const feeler_scene *scene, const feeler_settings *resolved, vec3 origin);
+
+/* `count` doubles as floats; to be freed. */
+float *narrow(const void *doubles, size_t count, feeler_error *error);
+
+/* Whether every edge of the mesh is shared by two triangles in opposite directions; -1: out of memory. */
+int mesh_is_closed(const scene_mesh *mesh, feeler_error *error);
+
+#endif

@@ -1,0 +1,145 @@
+/* program.c - builds the kernels. Their source is one string in the library; options decide precision, lanes, features. */
+#include "program.h"
+
+#include "clock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+extern const unsigned char feeler_kernel_text[];
+
+const char *feeler_kernel_source(void) {
+    return (const char *)feeler_kernel_text;
+}
+
+void feeler_free(void *memory) {
+    free(memory);
+}
+
+static bool has(uint32_t features, feature feature) {
+    return features >> feature & 1;
+}
+
+/* The least power of two that holds a waiting ray for every depth: few sizes, so that few kernels are built. */
+static int stack_size(const feeler_settings *s) {
+    int size = 4;
+    while (size < s->depth) size *= 2;
+    return size;
+}
+
+size_t work_item_bytes(const feeler_settings *s, uint32_t features, int media) {
+    size_t lane = s->level == FEELER_REFERENCE ? 8 : 4;
+    size_t packet = (size_t)(10 + (has(features, FEATURE_TRANSMISSION) ? media : 0)) * lane * (size_t)s->lanes + 64;
+    bool stacks = has(features, FEATURE_REFLECTION) && has(features, FEATURE_TRANSMISSION);
+    return packet * (size_t)(stacks ? stack_size(s) + 4 : 4);
+}
+
+char *program_options(const feeler_settings *s, uint32_t features, int media, feeler_error *error) {
+    const char *extra = getenv("FEELER_KERNEL_OPTIONS");
+    size_t size = 1024 + FEATURE_COUNT * 40 + (extra ? strlen(extra) : 0), used;
+    char *text = malloc(size);
+    if (!text) {
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
+        return NULL;
+    }
+    used = (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DSTACK=%d -DMEDIA=%d", s->lanes, stack_size(s), media);
+    if (s->level == FEELER_REFERENCE) used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
+    if (s->level == FEELER_DRAFT) used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
+    for (int i = 0; i < FEATURE_COUNT; i++)
+        used += (size_t)snprintf(text + used, size - used, " -DHAS_%s=%d", feature_names[i], has(features, (feature)i));
+    if (extra) snprintf(text + used, size - used, " %s", extra);
+    return text;
+}
+
+char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
+    feeler_settings s = *settings;
+    uint32_t features = (UINT32_C(1) << FEATURE_COUNT) - 1;
+    int media = 8;
+    if (!scene) {
+        if (s.lanes == 0) s.lanes = 1;
+        if (s.depth == 0) s.depth = 16;
+    } else {
+        if (resolve_settings(scene, settings, &s, error) < 0) return NULL;
+        if (!s.general) {
+            features = scene_features(scene) | (s.brute_force ? 0 : UINT32_C(1) << FEATURE_TREE);
+            media = scene_media(scene);
+        }
+    }
+    return program_options(&s, features, media, error);
+}
+
+/* The first error of a build log as the message, the log whole beside it. */
+static int fail_build(feeler_error *error, cl_program program, cl_device_id device, cl_int status) {
+    size_t size = 0;
+    char *log = NULL;
+    if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS) log = malloc(size + 1);
+    if (!log || clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS) {
+        free(log);
+        return fail_cl(error, "clBuildProgram", status);
+    }
+    log[size] = '\0';
+    const char *first = strstr(log, "error:");
+    int length = first ? (int)strcspn(first + 6, "\n") : 0;
+    fail(error, FEELER_DEVICE, "the kernels do not build:%.*s", length, first ? first + 6 : "");
+    snprintf(error->log, sizeof error->log, "%s", log);
+    free(log);
+    return -1;
+}
+
+int program_build(program *p, const feeler_device *device, const char *options, feeler_error *error) {
+    double start = seconds_now();
+    cl_int status;
+    const char *source = feeler_kernel_source();
+    memset(p, 0, sizeof *p);
+    p->program = clCreateProgramWithSource(device->context, 1, &source, NULL, &status);
+    if (status != CL_SUCCESS) return fail_cl(error, "clCreateProgramWithSource", status);
+    status = clBuildProgram(p->program, 1, &device->id, options, NULL, NULL);
+    if (status != CL_SUCCESS) {
+        fail_build(error, p->program, device->id, status);
+        goto failed;
+    }
+    p->render = clCreateKernel(p->program, "render", &status);
+    if (status == CL_SUCCESS) p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
+    if (status != CL_SUCCESS) {
+        fail_cl(error, "clCreateKernel", status);
+        goto failed;
+    }
+    p->seconds = seconds_now() - start;
+    return 0;
+failed:
+    program_free(p);
+    return -1;
+}
+
+void program_free(program *p) {
+    if (p->render) clReleaseKernel(p->render);
+    if (p->find_eye_media) clReleaseKernel(p->find_eye_media);
+    if (p->program) clReleaseProgram(p->program);
+    memset(p, 0, sizeof *p);
+}
+
+/* A CPU driver keeps the stacks of a whole group on one thread's stack: past about 8 MiB the process would crash. */
+enum { CACHE_BYTES = 256 * 1024, MOST_STACK_BYTES = 4 * 1024 * 1024 };
+
+int choose_work_group(const feeler_device *device, const feeler_settings *s, uint32_t features, int media, int group[2],
+                      feeler_error *error) {
+    size_t bytes = work_item_bytes(s, features, media);
+    group[0] = s->work_group[0];
+    group[1] = s->work_group[1];
+    if (group[0] == 0) {
+        group[0] = group[1] = 8;
+        while (group[0] * group[1] > 1 && ((device->is_cpu && (size_t)(group[0] * group[1]) * bytes > CACHE_BYTES) ||
+                                           (size_t)(group[0] * group[1]) > device->max_work_group))
+            group[group[0] > group[1] ? 0 : 1] /= 2;
+        return 0;
+    }
+    size_t items = (size_t)group[0] * (size_t)group[1];
+    if (items > device->max_work_group)
+        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d: '%s' takes at most %zu work-items", group[0], group[1],
+                    device->name, device->max_work_group);
+    if (device->is_cpu && items * bytes > MOST_STACK_BYTES)
+        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe",
+                    group[0], group[1], items * bytes / 1024, MOST_STACK_BYTES / 1024);
+    return 0;
+}

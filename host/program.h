@@ -1,0 +1,30 @@
+/* program.h - the kernels built for a scene and settings. */
+#ifndef FEELER_PROGRAM_H
+#define FEELER_PROGRAM_H
+
+#include "device.h"
+#include "packed.h"
+
+typedef struct program {
+    cl_program program;
+    cl_kernel render, find_eye_media;
+    double seconds; /* to build; a device may compile more at the first launch */
+} program;
+
+/* Settings with every blank filled in from the scene, checked. */
+int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, feeler_settings *resolved, feeler_error *error);
+
+/* The build options for resolved settings and what a scene needs. To be freed. */
+char *program_options(const feeler_settings *resolved, uint32_t features, int media, feeler_error *error);
+
+int program_build(program *program, const feeler_device *device, const char *options, feeler_error *error);
+void program_free(program *program);
+
+/* About how much of a CPU thread's stack one work-item takes, in bytes. */
+size_t work_item_bytes(const feeler_settings *resolved, uint32_t features, int media);
+
+/* The work group to use: the one asked for, if the device can, else one whose stacks stay near the cache. */
+int choose_work_group(const feeler_device *device, const feeler_settings *resolved, uint32_t features, int media,
+                      int work_group[2], feeler_error *error);
+
+#endif

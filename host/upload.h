@@ -1,0 +1,17 @@
+/* upload.h - a packed scene on a device. */
+#ifndef FEELER_UPLOAD_H
+#define FEELER_UPLOAD_H
+
+#include "device.h"
+#include "packed.h"
+
+typedef struct upload {
+    cl_mem arrays[ARRAY_COUNT], view, eye_media;
+} upload;
+
+/* Copies the arrays and the view; the eye's media are room only, to be found by a kernel. */
+int upload_scene(upload *upload, const packed *packed, const view *view, int media, const feeler_device *device,
+                 feeler_error *error);
+void upload_free(upload *upload);
+
+#endif
