@@ -181,7 +181,8 @@ fuzz: deps-lint ## feed broken scenes to the readers under ASan (FUZZ_SECONDS=60
 	  CFLAGS='-O1 -g -fsanitize=fuzzer-no-link,address,undefined' LDFLAGS='-fsanitize=fuzzer,address,undefined' \
 	  $(BUILD)/fuzz/fuzz_readers
 	@mkdir -p $(BUILD)/fuzz/corpus
-	@cp scenes/*.yaml tests/bad/*/*.yaml tests/bad/*/*.nff $(BUILD)/fuzz/corpus 2>/dev/null || true
+	@find scenes tests/invalid tests/data -name "*.yaml" -o -name "*.nff" | while read -r f; do \
+	  cp "$$f" $(BUILD)/fuzz/corpus/$$(echo $$f | tr / _); done
 	LSAN_OPTIONS=suppressions=tests/leaks.supp $(BUILD)/fuzz/fuzz_readers -max_total_time=$(FUZZ_SECONDS) -timeout=10 \
 	  -rss_limit_mb=4096 -close_fd_mask=2 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus
 

@@ -122,6 +122,8 @@ class Layout:
     def _split_numbers(self, type_: str, value: Any, name: str, count: int) -> list[Array]:
         dtype, width = self.numbers(type_, count)
         numbers = _as_array(value, dtype, name)
+        if count and numbers.shape[-2:] == (count, width // count):
+            numbers = numbers.reshape((*numbers.shape[:-2], width))
         if numbers.ndim == 0 or numbers.shape[-1] != width:
             raise Error(f"{name}: the shape is {numbers.shape}, not (…, {width}) as {type_!r} asks")
         ends = np.cumsum([leaf.kind.width for leaf in self.leaves(type_, count)])

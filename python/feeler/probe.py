@@ -33,7 +33,7 @@ def probe(
         vectors                                 (…, 3)
         a struct of one type of numbers         (…, its numbers), such as (…, 12) for a sphere; or as the next
         any struct                              a dict or tuple of its members, or a structured array
-        T x[N] in a struct                      (…, N), or a tuple of N values
+        T x[N] in a struct                      (…, N) or (…, N, numbers of T), or a tuple of N values
         private T *x                            as T; what the function leaves there is returned
         global T *x, constant T *x              one array for all, not broadcast: (n, numbers of T); as a struct's
                                                 member (give a dict then) it may be left out
