@@ -5,7 +5,6 @@
 #include "vec.h"
 
 #include <assimp/cimport.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <pthread.h>
 #include <stdarg.h>
@@ -85,7 +84,7 @@ static int read_file(import *in) {
     return refuse(in, FEELER_BAD_INPUT, "cannot be read: %s", why[0] ? why : "for a reason that assimp does not tell");
 }
 
-/* Readers pass on what the file says; further steps and this program rely on it. */
+/* Readers pass on what the file says. */
 static int check_indices(import *in) {
     for (unsigned m = 0; m < in->file->mNumMeshes; m++) {
         const struct aiMesh *mesh = in->file->mMeshes[m];
@@ -96,13 +95,6 @@ static int check_indices(import *in) {
                                   mesh->mFaces[f].mIndices[k], mesh->mNumVertices);
     }
     return 0;
-}
-
-static int triangulate(import *in) {
-    pthread_mutex_lock(&assimp_lock);
-    in->file = aiApplyPostProcessing(in->file, aiProcess_Triangulate); /* frees the file when it fails */
-    pthread_mutex_unlock(&assimp_lock);
-    return in->file ? 0 : refuse(in, FEELER_BAD_INPUT, "its faces cannot be cut into triangles");
 }
 
 /* ---- meshes ---- */
@@ -170,22 +162,51 @@ static int copy_vertices(import *in, const struct aiMesh *from, const transform 
     return 0;
 }
 
+static void turn_over(scene_mesh *mesh) {
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i += 3) {
+        uint32_t second = mesh->indices[i + 1];
+        mesh->indices[i + 1] = mesh->indices[i + 2];
+        mesh->indices[i + 2] = second;
+    }
+}
+
+/* How many triangles the faces make, and how many corners the largest face has. */
+static size_t count_triangles(import *in, const struct aiMesh *from, size_t *most_corners) {
+    size_t count = 0;
+    *most_corners = 3;
+    for (unsigned f = 0; f < from->mNumFaces; f++) {
+        size_t corners = from->mFaces[f].mNumIndices;
+        if (corners < 3)
+            in->leftovers++;
+        else
+            count += corners - 2;
+        if (corners > *most_corners)
+            *most_corners = corners;
+    }
+    return count;
+}
+
 static int copy_triangles(import *in, const struct aiMesh *from, const transform *t, scene_mesh *to) {
-    bool mirrored = is_mirrored(t);
-    to->indices = malloc((3 * (size_t)from->mNumFaces + 1) * sizeof *to->indices);
-    if (!to->indices)
+    size_t most_corners, count = count_triangles(in, from, &most_corners);
+    uint32_t *corners = malloc(most_corners * sizeof *corners);
+    uint32_t *next = to->indices = malloc((3 * count + 1) * sizeof *to->indices);
+    if (!corners || !next) {
+        free(corners);
         return fail(in->error, FEELER_OUT_OF_MEMORY, "out of memory");
+    }
     for (unsigned f = 0; f < from->mNumFaces; f++) {
         const struct aiFace *face = &from->mFaces[f];
-        if (face->mNumIndices != 3) {
-            in->leftovers++;
+        if (face->mNumIndices < 3)
             continue;
-        }
-        uint32_t *corner = to->indices + 3 * to->triangle_count++;
-        corner[0] = face->mIndices[0];
-        corner[1] = face->mIndices[mirrored ? 2 : 1];
-        corner[2] = face->mIndices[mirrored ? 1 : 2];
+        for (unsigned k = 0; k < face->mNumIndices; k++)
+            corners[k] = face->mIndices[k];
+        mesh_triangulate(to->vertices, corners, face->mNumIndices, next);
+        next += 3 * ((size_t)face->mNumIndices - 2);
     }
+    free(corners);
+    to->triangle_count = count;
+    if (is_mirrored(t))
+        turn_over(to);
     return 0;
 }
 
@@ -279,7 +300,7 @@ static int warn(import *in) {
 
 static int add_file(import *in) {
     static const transform identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    if (check_indices(in) || triangulate(in))
+    if (check_indices(in))
         return -1;
     size_t count = in->file->mNumMaterials ? in->file->mNumMaterials : 1;
     in->materials = malloc(count * sizeof *in->materials);

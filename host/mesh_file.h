@@ -12,6 +12,10 @@ int mesh_check_file(const char *path, char *why, size_t size);
 /* Whether the file's name ends so, whatever the case; `ending` with its dot. */
 bool mesh_ends_with(const char *path, const char *ending);
 
+/* mesh_triangulate.c: cuts a planar face, convex or concave, into count - 2 triangles of the same winding. `corners` are indices
+ * of vertices, at least 3, and are used up; `triangles` has room for three times count - 2. */
+void mesh_triangulate(const vec3 *vertices, uint32_t *corners, size_t count, uint32_t *triangles);
+
 /* mesh_weld.c. All work in place. */
 
 /* Drops the normals, of length 1, where they say no more than the triangles themselves do: flat shading, and corners that can be welded. */

@@ -140,12 +140,22 @@ static int read_includes(loader *loader, document *from) {
     return 0;
 }
 
+/* Clearer than calling a key unknown that the scene's own file may hold. */
+static int check_included(const loader *loader, const feeler_node *root) {
+    if (root->kind != NODE_MAP)
+        return 0;
+    for (const feeler_node *child = root->children.first; child; child = child->next)
+        if (schema_has(scene_keys, child->key) && !schema_has(included_keys, child->key))
+            return fail_key(&loader->reader, child, "'%s' cannot stand in an included file, only in the scene's own", child->key);
+    return 0;
+}
+
 /* Reads a document's text, unless it has its root already, its top keys and all that it includes. */
 static int read_document(loader *loader, document *document) {
     reader *reader = &loader->reader;
     if (!document->root)
         document->root = yaml_read_file(document->identity, document->name, &document->pool, reader->error);
-    if (!document->root)
+    if (!document->root || (document->includer && check_included(loader, document->root) != 0))
         return -1;
     const schema_key *keys = document->includer ? included_keys : scene_keys;
     if (schema_read(reader, document->root, keys, reader->scene, document->nodes) != 0 || read_includes(loader, document) != 0)

@@ -185,3 +185,9 @@ int schema_read(const reader *reader, const feeler_node *node, const schema_key 
 int schema_read_one(const reader *reader, const feeler_node *node, const schema_key *key, void *target) {
     return read_value(reader, node, key, target, NULL);
 }
+
+bool schema_has(const schema_key *keys, const char *name) {
+    while (keys->name && strcmp(keys->name, name) != 0)
+        keys++;
+    return keys->name != NULL;
+}

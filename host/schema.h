@@ -84,6 +84,7 @@ typedef struct reader {
 void schema_set_defaults(const schema_key *keys, void *target);
 /* Reads a map by its table into `target`; KEY_NODE values go to `nodes`, which has a slot for each and starts zeroed. */
 int schema_read(const reader *reader, const feeler_node *node, const schema_key *keys, void *target, const feeler_node **nodes);
+bool schema_has(const schema_key *keys, const char *name);
 /* Reads the value of one key that schema_read handed on as a node. */
 int schema_read_one(const reader *reader, const feeler_node *node, const schema_key *key, void *target);
 /* Whether every number of `target` lies in its row's range and is finite; `what` begins the message. */

@@ -66,7 +66,7 @@ int keep_place(const reader *reader, const feeler_node *node, place *kept) {
 static int fail_type(const reader *reader, const feeler_node *node, const char *wanted) {
     char text[SHOWN_SIZE];
     if (node->kind == NODE_TEXT && node->text[0])
-        return fail_node(reader, node, "expected %s, not the text '%s'", wanted, shown(node->text, text));
+        return fail_node(reader, node, "expected %s, not %s'%s'", wanted, node->quoted ? "the text " : "", shown(node->text, text));
     return fail_node(reader, node, "expected %s, not %s", wanted, node_kind_name(node));
 }
 

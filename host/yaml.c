@@ -231,7 +231,9 @@ static int parser_error(const builder *b, const yaml_parser_t *parser, const cha
         size_t offset = parser->problem_offset < size ? parser->problem_offset : size;
         return fail_at(b->error, FEELER_BAD_INPUT, byte_place(b->source, text, offset), "not UTF-8 text: %s", problem);
     }
-    place at = mark_place(b, parser->problem_mark);
+    place at = mark_place(b, parser->problem_mark), end = byte_place(b->source, text, size);
+    if (at.line > end.line) /* libyaml imagines a last newline */
+        at = end;
     if (parser->context)
         return fail_at(b->error, FEELER_BAD_INPUT, at, "not valid YAML: %s %s", problem, parser->context);
     return fail_at(b->error, FEELER_BAD_INPUT, at, "not valid YAML: %s", problem);

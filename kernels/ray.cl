@@ -67,11 +67,12 @@ interval intersect_bounds(ray r, vectors low, vectors high)
     return i;
 }
 
-// A crossing's distance clamped to the ray's interval in the primitive's box; none where that is empty.
+// A crossing's distance clamped to the ray's interval in the primitive's box; none where that is empty. What is not ahead
+// (or not a number) stays out: clamping must not bring it back.
 crossing clamp_crossing(ray r, bounds box, crossing c)
 {
     const interval i = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
-    c.found &= i.near <= i.far;
+    c.found &= (c.distance > splat(0)) & (i.near <= i.far);
     c.distance = min(max(c.distance, i.near), i.far);
     return c;
 }
