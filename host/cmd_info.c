@@ -124,9 +124,9 @@ int cmd_info(int argc, char **argv) {
     feeler_settings_default(&settings);
     const option options[] = {
         {"json", 0, OPTION_FLAG, &as_json, NULL, NULL, "as JSON", 0, 0},
-        {"size", 's', OPTION_SIZE, &settings.width, "WxH", "the scene's", "as it would be rendered with", 1, INT_MAX},
-        {"samples", 0, OPTION_WHOLE, &settings.samples, "N", "the scene's", "the same", 1, INT_MAX},
-        {"depth", 0, OPTION_WHOLE, &settings.depth, "N", "the scene's", "the same", 1, INT_MAX},
+        {"size", 's', OPTION_SIZE, &settings.width, "WxH", "the scene's", "as it would be rendered with", 1, 65536},
+        {"samples", 0, OPTION_WHOLE, &settings.samples, "N", "the scene's", "the same", 1, 4096},
+        {"depth", 0, OPTION_WHOLE, &settings.depth, "N", "the scene's", "the same", 1, 256},
         {"level", 0, OPTION_CHOICE, &settings.level, "draft|standard|reference", "standard", "the same", 0, 0},
         {0},
     };

@@ -25,12 +25,12 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
     feeler_settings *s = &j->settings;
     const option options[] = {
         {"out", 'o', OPTION_TEXT, &j->out, "OUT", NULL, "the picture to write", 0, 0},
-        {"size", 's', OPTION_SIZE, &s->width, "WxH", "the scene's", "pixels", 1, INT_MAX},
-        {"samples", 0, OPTION_WHOLE, &s->samples, "N", "the scene's", "samples a pixel", 1, INT_MAX},
+        {"size", 's', OPTION_SIZE, &s->width, "WxH", "the scene's", "pixels", 1, 65536},
+        {"samples", 0, OPTION_WHOLE, &s->samples, "N", "the scene's", "samples a pixel", 1, 4096},
         {"jitter", 0, OPTION_NUMBER, &s->jitter, "0..1", "the scene's", "how far samples leave their cells' centres", 0,
          1},
         {"depth", 0, OPTION_WHOLE, &s->depth, "N", "the scene's", "greatest depth of a ray, the eye ray's being 1", 1,
-         INT_MAX},
+         256},
         {"cutoff", 0, OPTION_NUMBER, &s->cutoff, "W", "the scene's", "rays of less weight are not sent", 0, 1},
         {"level", 0, OPTION_CHOICE, &s->level, "draft|standard|reference", "standard", "how exact", 0, 0},
         {"region", 0, OPTION_REGION, s->region, "X0,Y0,X1,Y1", "all", "render only these pixels, half open", 0, 0},

@@ -1,0 +1,78 @@
+"""Reads OpenEXR files as feeler writes them (scan lines, float32, ZIP), without the library that wrote them."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+LINES_PER_BLOCK = {0: 1, 2: 1, 3: 16}  # by compression: none, ZIPS, ZIP
+
+
+def _read_text(data: bytes, at: int) -> tuple[str, int]:
+    end = data.index(b"\0", at)
+    return data[at:end].decode(), end + 1
+
+
+def _read_header(data: bytes) -> tuple[dict[str, Any], int]:
+    assert struct.unpack_from("<II", data) == (20000630, 2) or struct.unpack_from("<II", data) == (20000630, 0x402)
+    header: dict[str, Any] = {}
+    at = 8
+    while data[at]:
+        name, at = _read_text(data, at)
+        kind, at = _read_text(data, at)
+        (size,) = struct.unpack_from("<i", data, at)
+        value = data[at + 4 : at + 4 + size]
+        at += 4 + size
+        header[name] = {
+            "box2i": lambda v=value: struct.unpack("<4i", v),
+            "string": lambda v=value: v.decode(),
+            "compression": lambda v=value: v[0],
+        }.get(kind, lambda v=value: v)()
+    return header, at + 1
+
+
+def _channels(value: bytes) -> list[str]:
+    names, at = [], 0
+    while value[at]:
+        name, at = _read_text(value, at)
+        assert struct.unpack_from("<i", value, at) == (2,), "every channel is float32"
+        at += 16
+        names.append(name)
+    return names
+
+
+def _unpack(block: bytes, size: int) -> bytes:
+    """Undoes ZIP: the bytes' differences, then their halves' interleaving. What does not shrink is kept as it is."""
+    if len(block) == size:
+        return block
+    differences = np.frombuffer(zlib.decompress(block), np.uint8).astype(np.uint32)
+    differences[1:] += 128
+    halves = np.cumsum(differences).astype(np.uint8)
+    whole = np.empty_like(halves)
+    whole[0::2], whole[1::2] = halves[: (size + 1) // 2], halves[(size + 1) // 2 :]
+    return whole.tobytes()
+
+
+def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    """The pixels of the data window, (height, width, RGB or RGBA), and the attributes of the header."""
+    data = path.read_bytes()
+    header, at = _read_header(data)
+    names = _channels(header["channels"])
+    x0, y0, x1, y1 = header["dataWindow"]
+    width, height = x1 - x0 + 1, y1 - y0 + 1
+    lines = LINES_PER_BLOCK[header["compression"]]
+    planes = np.empty((height, len(names), width), np.float32)
+    at += 8 * -(-height // lines)  # the table of offsets; the blocks follow each other anyway
+    for _ in range(0, height, lines):
+        y, size = struct.unpack_from("<ii", data, at)
+        count = min(lines, height - (y - y0))
+        raw = _unpack(data[at + 8 : at + 8 + size], count * len(names) * width * 4)
+        planes[y - y0 : y - y0 + count] = np.frombuffer(raw, "<f4").reshape(count, len(names), width)
+        at += 8 + size
+    order = [names.index(name) for name in "RGBA" if name in names]
+    return np.ascontiguousarray(planes[:, order].transpose(0, 2, 1)), header
