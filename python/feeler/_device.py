@@ -106,7 +106,7 @@ def _set(settings: Any, name: str, value: Any) -> None:
     # An explicit 0 or negative number would mean "the scene's own" in C; here None does, so it is a mistake.
     least = {"jitter": 0.0, "cutoff": 0.0, "region": None}.get(name, 1)
     try:
-        if least is not None and not value >= least:
+        if least is not None and not (min(value) if isinstance(value, list) else value) >= least:
             raise Error(f"{name} is at least {least:g}, not {value!r}")
         setattr(settings, name, value)
     except (TypeError, OverflowError):
