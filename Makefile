@@ -140,7 +140,7 @@ test-peers: ready ## compare with other renderers
 
 .PHONY: lint format check-exports
 lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's opinion
-	clang-format --dry-run -Werror host/*.c host/*.cpp
+	clang-format --dry-run -Werror host/*.[ch] host/*.cpp kernels/*
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	$(VENV)/bin/mypy
@@ -148,7 +148,7 @@ lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/clang CC=clang CXX=clang++ CFLAGS=-O1 all
 
 format: ## write every file as lint wants it
-	clang-format -i host/*.c host/*.cpp
+	clang-format -i host/*.[ch] host/*.cpp kernels/*
 	$(VENV)/bin/ruff check --fix
 	$(VENV)/bin/ruff format
 

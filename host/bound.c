@@ -29,9 +29,10 @@ static double greatest_radiance(const feeler_scene *scene, int k, double *lights
     }
     for (size_t i = 0; i < scene->object_count; i++) {
         const scene_material *m = &scene->materials[scene->objects[i].material];
-        local = fmax(local, greatest_local(channel(m->ambient, k), channel(m->diffuse, k), channel(m->diffuse_transmission, k),
-                                           channel(m->specular, k), channel(m->specular_transmission, k),
-                                           channel(m->emission, k), lights, scene->light_count, ambient));
+        local = fmax(local,
+                     greatest_local(channel(m->ambient, k), channel(m->diffuse, k), channel(m->diffuse_transmission, k),
+                                    channel(m->specular, k), channel(m->specular_transmission, k),
+                                    channel(m->emission, k), lights, scene->light_count, ambient));
         share = fmax(share, channel(m->reflection, k) + channel(m->transmission, k));
     }
     return share < 1 ? fmax(channel(scene->background, k), local / (1 - share)) : INFINITY;
@@ -40,6 +41,7 @@ static double greatest_radiance(const feeler_scene *scene, int k, double *lights
 double truncation_bound(const feeler_scene *scene, const double discarded[3], double *lights) {
     double bound = 0;
     for (int k = 0; k < 3; k++)
-        if (discarded[k] > 0) bound = fmax(bound, discarded[k] * greatest_radiance(scene, k, lights));
+        if (discarded[k] > 0)
+            bound = fmax(bound, discarded[k] * greatest_radiance(scene, k, lights));
     return bound;
 }

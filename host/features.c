@@ -38,9 +38,9 @@ static uint32_t bit(feature feature, bool on) {
 
 static uint32_t shape_features(const scene_object *object) {
     static const feature kinds[] = {
-        [SHAPE_SPHERE] = FEATURE_SPHERE,     [SHAPE_PLANE] = FEATURE_PLANE,     [SHAPE_DISC] = FEATURE_DISC,
-        [SHAPE_BOX] = FEATURE_BOX,           [SHAPE_TRIANGLE] = FEATURE_TRIANGLE, [SHAPE_POLYGON] = FEATURE_POLYGON,
-        [SHAPE_CONE] = FEATURE_CONE,         [SHAPE_MESH] = FEATURE_TRIANGLE,
+        [SHAPE_SPHERE] = FEATURE_SPHERE, [SHAPE_PLANE] = FEATURE_PLANE,       [SHAPE_DISC] = FEATURE_DISC,
+        [SHAPE_BOX] = FEATURE_BOX,       [SHAPE_TRIANGLE] = FEATURE_TRIANGLE, [SHAPE_POLYGON] = FEATURE_POLYGON,
+        [SHAPE_CONE] = FEATURE_CONE,     [SHAPE_MESH] = FEATURE_TRIANGLE,
     };
     bool smooth = (object->shape == SHAPE_TRIANGLE && object->triangle.smooth) ||
                   (object->shape == SHAPE_MESH && object->mesh.normals);
@@ -61,7 +61,8 @@ static uint32_t material_features(const scene_material *m) {
 uint32_t scene_features(const feeler_scene *scene) {
     uint32_t features = 0;
     for (size_t i = 0; i < scene->object_count; i++)
-        features |= shape_features(&scene->objects[i]) | material_features(&scene->materials[scene->objects[i].material]);
+        features |=
+            shape_features(&scene->objects[i]) | material_features(&scene->materials[scene->objects[i].material]);
     bool transmits = features & bit(FEATURE_TRANSMISSION, true);
     /* Total internal reflection can leave a reflection where the material itself asks for none. */
     features |= bit(FEATURE_REFLECTION, features & bit(FEATURE_TOTAL_REFLECTION, true));

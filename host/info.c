@@ -8,7 +8,7 @@
 #include <string.h>
 
 static json_t *primitives_json(const packed *p) {
-    static const packed_array kinds[] = {ARRAY_SPHERES, ARRAY_PLANES, ARRAY_DISCS, ARRAY_BOXES,
+    static const packed_array kinds[] = {ARRAY_SPHERES,   ARRAY_PLANES,   ARRAY_DISCS, ARRAY_BOXES,
                                          ARRAY_TRIANGLES, ARRAY_POLYGONS, ARRAY_CONES};
     json_t *json = json_object();
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
@@ -23,7 +23,8 @@ static json_t *memory_json(const packed *p) {
     for (int i = 0; i < ARRAY_COUNT; i++) {
         const array *a = &p->arrays[i];
         size_t bytes = a->count * a->element / (a->is_real && !p->is_double ? 2 : 1);
-        if (bytes) json_object_set_new(json, a->name, json_integer((json_int_t)bytes));
+        if (bytes)
+            json_object_set_new(json, a->name, json_integer((json_int_t)bytes));
         total += bytes;
     }
     json_object_set_new(json, "total", json_integer((json_int_t)total));
@@ -44,7 +45,8 @@ static json_t *features_json(uint32_t features) {
 
 static json_t *warnings_json(const feeler_scene *scene) {
     json_t *json = json_array();
-    for (size_t i = 0; i < scene->warning_count; i++) json_array_append_new(json, json_string(scene->warnings[i]));
+    for (size_t i = 0; i < scene->warning_count; i++)
+        json_array_append_new(json, json_string(scene->warnings[i]));
     return json;
 }
 
@@ -65,7 +67,8 @@ static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, co
     json_object_set_new(json, "options", json_string(options));
     json_object_set_new(json, "tree_nodes", json_integer((json_int_t)p->arrays[ARRAY_NODES].count));
     json_object_set_new(json, "memory_bytes", memory_json(p));
-    json_object_set_new(json, "seconds", json_pack("{s: f, s: f}", "load", scene->load_seconds, "tree", p->tree_seconds));
+    json_object_set_new(json, "seconds",
+                        json_pack("{s: f, s: f}", "load", scene->load_seconds, "tree", p->tree_seconds));
     json_object_set_new(json, "warnings", warnings_json(scene));
     return json;
 }
@@ -73,14 +76,17 @@ static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, co
 char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s;
     packed p;
-    if (resolve_settings(scene, settings, &s, error) < 0) return NULL;
-    if (pack_scene(&p, scene, s.level == FEELER_REFERENCE, s.brute_force, error) < 0) return NULL;
+    if (resolve_settings(scene, settings, &s, error) < 0)
+        return NULL;
+    if (pack_scene(&p, scene, s.level == FEELER_REFERENCE, s.brute_force, error) < 0)
+        return NULL;
     char *text = NULL, *options = program_options(&s, p.features, p.media, error);
     if (options) {
         json_t *json = info_json(scene, &s, &p, options);
         text = json ? json_dumps(json, JSON_INDENT(2)) : NULL;
         json_decref(json);
-        if (!text) fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+        if (!text)
+            fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     }
     free(options);
     packed_free(&p);

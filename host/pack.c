@@ -37,7 +37,8 @@ void *array_add(array *a, size_t count, feeler_error *error) {
     }
     if (a->count + count > a->capacity) {
         size_t capacity = a->capacity ? a->capacity * 2 : 16;
-        if (capacity < a->count + count) capacity = a->count + count;
+        if (capacity < a->count + count)
+            capacity = a->count + count;
         void *data = realloc(a->data, capacity * a->element);
         if (!data) {
             fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu %s", capacity, a->name);
@@ -58,7 +59,8 @@ float *narrow(const void *doubles, size_t count, feeler_error *error) {
         fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu numbers", count);
         return NULL;
     }
-    for (size_t i = 0; i < count; i++) floats[i] = (float)((const double *)doubles)[i];
+    for (size_t i = 0; i < count; i++)
+        floats[i] = (float)((const double *)doubles)[i];
     return floats;
 }
 
@@ -107,7 +109,8 @@ static void *add_primitive(packed *p, packed_array where, uint32_t kind, const s
 
 static int pack_sphere(packed *p, const scene_object *object, feeler_error *error) {
     sphere *s = add_primitive(p, ARRAY_SPHERES, KIND_SPHERE, object, FLAG_SOLID, error);
-    if (!s) return -1;
+    if (!s)
+        return -1;
     s->centre_radius = pack_point(p, object->sphere.centre, object->sphere.radius);
     vec3 centre = xyz(s->centre_radius), r = {s->centre_radius.w, s->centre_radius.w, s->centre_radius.w};
     s->bounds = pack_bounds(p, vec_subtract(centre, r), vec_add(centre, r));
@@ -117,7 +120,8 @@ static int pack_sphere(packed *p, const scene_object *object, feeler_error *erro
 /* Of a plane's points the one nearest to the origin: coordinates that are 0 stay 0. */
 static int pack_plane(packed *p, const scene_object *object, feeler_error *error) {
     plane *s = add_primitive(p, ARRAY_PLANES, KIND_PLANE, object, FLAG_SOLID, error);
-    if (!s) return -1;
+    if (!s)
+        return -1;
     vec3 normal = object->plane.normal;
     double height = vec_dot(normal, vec_subtract(object->plane.point, p->origin));
     s->point = pack4(p, vec_scale(normal, height), 0);
@@ -132,7 +136,8 @@ static vec3 disc_reach(vec3 n, double r) {
 
 static int pack_disc(packed *p, const scene_object *object, feeler_error *error) {
     disc *s = add_primitive(p, ARRAY_DISCS, KIND_DISC, object, 0, error);
-    if (!s) return -1;
+    if (!s)
+        return -1;
     s->centre_radius = pack_point(p, object->disc.centre, object->disc.radius);
     s->normal = pack4(p, object->disc.normal, 0);
     vec3 reach = disc_reach(object->disc.normal, s->centre_radius.w), centre = xyz(s->centre_radius);
@@ -143,23 +148,29 @@ static int pack_disc(packed *p, const scene_object *object, feeler_error *error)
 /* The box is its own bounds and gets no slack. */
 static int pack_box(packed *p, const scene_object *object, feeler_error *error) {
     box *s = add_primitive(p, ARRAY_BOXES, KIND_BOX, object, FLAG_SOLID, error);
-    if (!s) return -1;
+    if (!s)
+        return -1;
     s->bounds = (bounds){pack_point(p, object->box.low, 0), pack_point(p, object->box.high, 0)};
     return 0;
 }
 
 static int pack_vertices(packed *p, const vec3 *vertices, const vec3 *normals, size_t count, feeler_error *error) {
     real4 *v = array_add(&p->arrays[ARRAY_VERTICES], count, error);
-    if (!v) return -1;
-    for (size_t i = 0; i < count; i++) v[i] = pack_point(p, vertices[i], 0);
-    if (!normals) return 0;
+    if (!v)
+        return -1;
+    for (size_t i = 0; i < count; i++)
+        v[i] = pack_point(p, vertices[i], 0);
+    if (!normals)
+        return 0;
     /* Normals are found by the vertex's index: fill up for those without. */
     array *all = &p->arrays[ARRAY_NORMALS];
     size_t missing = p->arrays[ARRAY_VERTICES].count - all->count;
     real4 *n = array_add(all, missing, error);
-    if (!n) return -1;
+    if (!n)
+        return -1;
     n += missing - count;
-    for (size_t i = 0; i < count; i++) n[i] = pack4(p, normals[i], 0);
+    for (size_t i = 0; i < count; i++)
+        n[i] = pack4(p, normals[i], 0);
     return 0;
 }
 
@@ -168,13 +179,15 @@ static int pack_triangles(packed *p, const scene_object *object, const scene_mes
     size_t first = p->arrays[ARRAY_VERTICES].count;
     uint4 *primitives = array_add(&p->arrays[ARRAY_PRIMITIVES], mesh->triangle_count, error);
     uint4 *triangles = primitives ? array_add(&p->arrays[ARRAY_TRIANGLES], mesh->triangle_count, error) : NULL;
-    if (!triangles || pack_vertices(p, mesh->vertices, mesh->normals, mesh->vertex_count, error) < 0) return -1;
+    if (!triangles || pack_vertices(p, mesh->vertices, mesh->normals, mesh->vertex_count, error) < 0)
+        return -1;
     flags |= side_flags(object->sides) | (mesh->normals ? FLAG_SMOOTH : 0);
     size_t number = p->arrays[ARRAY_TRIANGLES].count - mesh->triangle_count;
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *corner = mesh->indices + 3 * i;
         primitives[i] = (uint4){KIND_TRIANGLE, (uint32_t)(number + i), (uint32_t)object->material, flags};
-        triangles[i] = (uint4){(uint32_t)(first + corner[0]), (uint32_t)(first + corner[1]), (uint32_t)(first + corner[2]), 0};
+        triangles[i] =
+            (uint4){(uint32_t)(first + corner[0]), (uint32_t)(first + corner[1]), (uint32_t)(first + corner[2]), 0};
     }
     return 0;
 }
@@ -213,7 +226,8 @@ static int pack_polygon(packed *p, const scene_object *object, feeler_error *err
     polygon *s = add_primitive(p, ARRAY_POLYGONS, KIND_POLYGON, object, 0, error);
     uint4 *range = s ? array_add(&p->arrays[ARRAY_POLYGON_RANGES], 1, error) : NULL;
     real4 *corners = range ? array_add(&p->arrays[ARRAY_CORNERS], count, error) : NULL;
-    if (!corners) return -1;
+    if (!corners)
+        return -1;
     *range = (uint4){(uint32_t)(p->arrays[ARRAY_CORNERS].count - count), (uint32_t)count, 0, 0};
     vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY}, middle = {0, 0, 0};
     for (size_t i = 0; i < count; i++) {
@@ -238,7 +252,8 @@ static void make_frame(vec3 n, vec3 *u, vec3 *v) {
 static int pack_cone(packed *p, const scene_object *object, feeler_error *error) {
     bool capped = object->cone.capped;
     cone *s = add_primitive(p, ARRAY_CONES, KIND_CONE, object, capped ? FLAG_SOLID | FLAG_CAPPED : 0, error);
-    if (!s) return -1;
+    if (!s)
+        return -1;
     vec3 axis = vec_subtract(object->cone.top, object->cone.base), u, v;
     double height = vec_length(axis);
     vec_normalize(&axis);
@@ -258,21 +273,30 @@ static int pack_cone(packed *p, const scene_object *object, feeler_error *error)
 
 static int pack_object(packed *p, const feeler_scene *scene, const scene_object *object, feeler_error *error) {
     switch (object->shape) {
-    case SHAPE_SPHERE: return pack_sphere(p, object, error);
-    case SHAPE_PLANE: return pack_plane(p, object, error);
-    case SHAPE_DISC: return pack_disc(p, object, error);
-    case SHAPE_BOX: return pack_box(p, object, error);
-    case SHAPE_TRIANGLE: return pack_triangle(p, object, error);
-    case SHAPE_POLYGON: return pack_polygon(p, object, error);
-    case SHAPE_CONE: return pack_cone(p, object, error);
-    case SHAPE_MESH: return pack_mesh(p, object, !is_black(scene->materials[object->material].transmission), error);
+    case SHAPE_SPHERE:
+        return pack_sphere(p, object, error);
+    case SHAPE_PLANE:
+        return pack_plane(p, object, error);
+    case SHAPE_DISC:
+        return pack_disc(p, object, error);
+    case SHAPE_BOX:
+        return pack_box(p, object, error);
+    case SHAPE_TRIANGLE:
+        return pack_triangle(p, object, error);
+    case SHAPE_POLYGON:
+        return pack_polygon(p, object, error);
+    case SHAPE_CONE:
+        return pack_cone(p, object, error);
+    case SHAPE_MESH:
+        return pack_mesh(p, object, !is_black(scene->materials[object->material].transmission), error);
     }
     return fail(error, FEELER_BAD_INPUT, "an object of unknown shape");
 }
 
 static int pack_materials(packed *p, const feeler_scene *scene, feeler_error *error) {
     material *out = array_add(&p->arrays[ARRAY_MATERIALS], scene->material_count, error);
-    if (!out) return -1;
+    if (!out)
+        return -1;
     for (size_t i = 0; i < scene->material_count; i++) {
         const scene_material *m = &scene->materials[i];
         out[i] = (material){
@@ -292,7 +316,8 @@ static int pack_materials(packed *p, const feeler_scene *scene, feeler_error *er
 
 static int pack_lights(packed *p, const feeler_scene *scene, feeler_error *error) {
     light *out = array_add(&p->arrays[ARRAY_LIGHTS], scene->light_count, error);
-    if (!out && scene->light_count) return -1;
+    if (!out && scene->light_count)
+        return -1;
     for (size_t i = 0; i < scene->light_count; i++) {
         const scene_light *l = &scene->lights[i];
         out[i].position = l->directional ? pack4(p, l->position, 0) : pack_point(p, l->position, 1);
@@ -310,11 +335,14 @@ int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_
     p->features = scene_features(scene);
     p->media = scene_media(scene);
     int status = pack_materials(p, scene, error);
-    if (status == 0) status = pack_lights(p, scene, error);
+    if (status == 0)
+        status = pack_lights(p, scene, error);
     for (size_t i = 0; status == 0 && i < scene->object_count; i++)
         status = pack_object(p, scene, &scene->objects[i], error);
-    if (status == 0) status = build_tree(p, brute_force, error);
-    if (status < 0) packed_free(p);
+    if (status == 0)
+        status = build_tree(p, brute_force, error);
+    if (status < 0)
+        packed_free(p);
     return status;
 }
 

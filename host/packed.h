@@ -70,10 +70,10 @@ extern const char *const feature_names[FEATURE_COUNT];
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
-    vec3 origin;      /* of the packed coordinates, in the scene's */
+    vec3 origin;       /* of the packed coordinates, in the scene's */
     uint32_t features; /* bit i: feature i */
-    int media;        /* length of a ray's list of media */
-    size_t bounded;   /* primitives in the tree; the unbounded ones come after them in `order` */
+    int media;         /* length of a ray's list of media */
+    size_t bounded;    /* primitives in the tree; the unbounded ones come after them in `order` */
     double tree_seconds;
 } packed;
 

@@ -24,7 +24,8 @@ static bool has(uint32_t features, feature feature) {
 /* The least power of two that holds a waiting ray for every depth: few sizes, so that few kernels are built. */
 static int stack_size(const feeler_settings *s) {
     int size = 4;
-    while (size < s->depth) size *= 2;
+    while (size < s->depth)
+        size *= 2;
     return size;
 }
 
@@ -43,12 +44,16 @@ char *program_options(const feeler_settings *s, uint32_t features, int media, fe
         fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
         return NULL;
     }
-    used = (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DSTACK=%d -DMEDIA=%d", s->lanes, stack_size(s), media);
-    if (s->level == FEELER_REFERENCE) used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
-    if (s->level == FEELER_DRAFT) used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
+    used =
+        (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DSTACK=%d -DMEDIA=%d", s->lanes, stack_size(s), media);
+    if (s->level == FEELER_REFERENCE)
+        used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
+    if (s->level == FEELER_DRAFT)
+        used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
     for (int i = 0; i < FEATURE_COUNT; i++)
         used += (size_t)snprintf(text + used, size - used, " -DHAS_%s=%d", feature_names[i], has(features, (feature)i));
-    if (extra) snprintf(text + used, size - used, " %s", extra);
+    if (extra)
+        snprintf(text + used, size - used, " %s", extra);
     return text;
 }
 
@@ -57,10 +62,13 @@ char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *se
     uint32_t features = (UINT32_C(1) << FEATURE_COUNT) - 1;
     int media = 8;
     if (!scene) {
-        if (s.lanes == 0) s.lanes = 1;
-        if (s.depth == 0) s.depth = 16;
+        if (s.lanes == 0)
+            s.lanes = 1;
+        if (s.depth == 0)
+            s.depth = 16;
     } else {
-        if (resolve_settings(scene, settings, &s, error) < 0) return NULL;
+        if (resolve_settings(scene, settings, &s, error) < 0)
+            return NULL;
         if (!s.general) {
             features = scene_features(scene) | (s.brute_force ? 0 : UINT32_C(1) << FEATURE_TREE);
             media = scene_media(scene);
@@ -73,7 +81,8 @@ char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *se
 static int fail_build(feeler_error *error, cl_program program, cl_device_id device, cl_int status) {
     size_t size = 0;
     char *log = NULL;
-    if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS) log = malloc(size + 1);
+    if (clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS)
+        log = malloc(size + 1);
     if (!log || clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS) {
         free(log);
         return fail_cl(error, "clBuildProgram", status);
@@ -93,14 +102,16 @@ int program_build(program *p, const feeler_device *device, const char *options, 
     const char *source = feeler_kernel_source();
     memset(p, 0, sizeof *p);
     p->program = clCreateProgramWithSource(device->context, 1, &source, NULL, &status);
-    if (status != CL_SUCCESS) return fail_cl(error, "clCreateProgramWithSource", status);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clCreateProgramWithSource", status);
     status = clBuildProgram(p->program, 1, &device->id, options, NULL, NULL);
     if (status != CL_SUCCESS) {
         fail_build(error, p->program, device->id, status);
         goto failed;
     }
     p->render = clCreateKernel(p->program, "render", &status);
-    if (status == CL_SUCCESS) p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
+    if (status == CL_SUCCESS)
+        p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateKernel", status);
         goto failed;
@@ -113,9 +124,12 @@ failed:
 }
 
 void program_free(program *p) {
-    if (p->render) clReleaseKernel(p->render);
-    if (p->find_eye_media) clReleaseKernel(p->find_eye_media);
-    if (p->program) clReleaseProgram(p->program);
+    if (p->render)
+        clReleaseKernel(p->render);
+    if (p->find_eye_media)
+        clReleaseKernel(p->find_eye_media);
+    if (p->program)
+        clReleaseProgram(p->program);
     memset(p, 0, sizeof *p);
 }
 
@@ -136,10 +150,11 @@ int choose_work_group(const feeler_device *device, const feeler_settings *s, uin
     }
     size_t items = (size_t)group[0] * (size_t)group[1];
     if (items > device->max_work_group)
-        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d: '%s' takes at most %zu work-items", group[0], group[1],
-                    device->name, device->max_work_group);
+        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d: '%s' takes at most %zu work-items", group[0],
+                    group[1], device->name, device->max_work_group);
     if (device->is_cpu && items * bytes > MOST_STACK_BYTES)
-        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe",
-                    group[0], group[1], items * bytes / 1024, MOST_STACK_BYTES / 1024);
+        return fail(error, FEELER_BAD_USAGE,
+                    "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe", group[0],
+                    group[1], items * bytes / 1024, MOST_STACK_BYTES / 1024);
     return 0;
 }

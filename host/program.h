@@ -12,7 +12,8 @@ typedef struct program {
 } program;
 
 /* Settings with every blank filled in from the scene, checked. */
-int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, feeler_settings *resolved, feeler_error *error);
+int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, feeler_settings *resolved,
+                     feeler_error *error);
 
 /* The build options for resolved settings and what a scene needs. To be freed. */
 char *program_options(const feeler_settings *resolved, uint32_t features, int media, feeler_error *error);

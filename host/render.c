@@ -83,17 +83,24 @@ static int open_slot(job *j, slot *s, feeler_error *error) {
     if (!s->host_pixels || !s->host_discarded || !s->host_tallies)
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tile of %zu pixels", j->slot_pixels);
     s->pixels = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS) s->discarded = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS) s->tallies = clCreateBuffer(context, CL_MEM_WRITE_ONLY, tallies, NULL, &status);
+    if (status == CL_SUCCESS)
+        s->discarded = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
+    if (status == CL_SUCCESS)
+        s->tallies = clCreateBuffer(context, CL_MEM_WRITE_ONLY, tallies, NULL, &status);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clCreateBuffer", status);
 }
 
 static void close_slot(slot *s) {
-    if (s->read) clReleaseEvent(s->read);
-    if (s->launched) clReleaseEvent(s->launched);
-    if (s->pixels) clReleaseMemObject(s->pixels);
-    if (s->discarded) clReleaseMemObject(s->discarded);
-    if (s->tallies) clReleaseMemObject(s->tallies);
+    if (s->read)
+        clReleaseEvent(s->read);
+    if (s->launched)
+        clReleaseEvent(s->launched);
+    if (s->pixels)
+        clReleaseMemObject(s->pixels);
+    if (s->discarded)
+        clReleaseMemObject(s->discarded);
+    if (s->tallies)
+        clReleaseMemObject(s->tallies);
     free(s->host_pixels);
     free(s->host_discarded);
     free(s->host_tallies);
@@ -102,7 +109,8 @@ static void close_slot(slot *s) {
 /* The parameters that every entry point begins with, and the next index. */
 static cl_uint bind_scene(cl_kernel kernel, const upload *u, cl_int *status) {
     cl_uint i = 0;
-    for (; i < ARRAY_COUNT; i++) *status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &u->arrays[i]);
+    for (; i < ARRAY_COUNT; i++)
+        *status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &u->arrays[i]);
     *status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &u->view);
     return i;
 }
@@ -114,8 +122,8 @@ static launch make_launch(const job *j, const tile *t) {
         .tile = {(uint32_t)t->x0, (uint32_t)t->y0, (uint32_t)t->x1, (uint32_t)t->y1},
         .frame = {(uint32_t)j->settings.width, (uint32_t)j->settings.height, (uint32_t)j->settings.samples,
                   (uint32_t)j->settings.depth},
-        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.bounded, (uint32_t)arrays[ARRAY_NODES].count,
-                  (uint32_t)planes},
+        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.bounded,
+                  (uint32_t)arrays[ARRAY_NODES].count, (uint32_t)planes},
     };
 }
 
@@ -126,10 +134,12 @@ static int find_eye_media(job *j, feeler_error *error) {
     cl_uint i = bind_scene(kernel, &j->upload, &status);
     status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
     status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &j->upload.eye_media);
-    if (status != CL_SUCCESS) return fail_cl(error, "clSetKernelArg", status);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clSetKernelArg", status);
     const size_t one = 1;
     status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
-    if (status == CL_SUCCESS) status = clFinish(j->device->queue);
+    if (status == CL_SUCCESS)
+        status = clFinish(j->device->queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
 }
 
@@ -159,19 +169,23 @@ static int start_tile(job *j, slot *s, const tile *t, feeler_error *error) {
     cl_command_queue queue = j->device->queue;
     s->tile = *t;
     s->start = seconds_now();
-    if (bind_render(j, s, error) < 0) return -1;
+    if (bind_render(j, s, error) < 0)
+        return -1;
     const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]}, count = tile_pixels(t);
     const size_t global[2] = {round_up(t->x1 - t->x0, j->group[0]), round_up(t->y1 - t->y0, j->group[1])};
     cl_int status = clEnqueueNDRangeKernel(queue, j->program.render, 2, NULL, global, local, 0, NULL, &s->launched);
-    if (status != CL_SUCCESS) return fail_cl(error, "clEnqueueNDRangeKernel", status);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clEnqueueNDRangeKernel", status);
     const size_t colours = count * 4 * real_size(j);
     status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, NULL);
     if (status == CL_SUCCESS)
-        status = clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &s->launched, NULL);
+        status =
+            clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &s->launched, NULL);
     if (status == CL_SUCCESS)
         status = clEnqueueReadBuffer(queue, s->tallies, CL_FALSE, 0, count * sizeof(tally), s->host_tallies, 1,
                                      &s->launched, &s->read);
-    if (status == CL_SUCCESS) status = clFlush(queue);
+    if (status == CL_SUCCESS)
+        status = clFlush(queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
 }
 
@@ -183,7 +197,8 @@ static void add_tallies(job *j, const slot *s, size_t count) {
         stats->transmission += t->rays.y;
         stats->shadow += t->rays.z;
         stats->eye_hits += t->rays.w;
-        if ((int)t->extreme.x > stats->deepest) stats->deepest = (int)t->extreme.x;
+        if ((int)t->extreme.x > stats->deepest)
+            stats->deepest = (int)t->extreme.x;
     }
     stats->eye += (uint64_t)count * (uint64_t)j->settings.samples;
 }
@@ -222,7 +237,8 @@ static double launch_seconds(const slot *s) {
 
 /* The next tile twice as large while launches are short, smaller where they are long. */
 static void adapt_budget(job *j, double seconds, size_t pixels) {
-    if (j->settings.tile) return;
+    if (j->settings.tile)
+        return;
     double wanted = seconds > 0 ? (double)pixels * tile_seconds / seconds : (double)MOST_TILE_PIXELS;
     double most = fmin(2 * (double)j->tiles.budget, (double)j->slot_pixels);
     j->tiles.budget = (size_t)fmax(fmin(wanted, most), (double)(j->group[0] * j->group[1]));
@@ -230,14 +246,18 @@ static void adapt_budget(job *j, double seconds, size_t pixels) {
 
 /* Waits for a tile and takes its results into the image. */
 static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
-    if (!s->read) return 0;
+    if (!s->read)
+        return 0;
     cl_int status = clWaitForEvents(1, &s->read);
-    if (status != CL_SUCCESS) return fail_cl(error, "clWaitForEvents", status);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clWaitForEvents", status);
     const size_t count = tile_pixels(&s->tile);
     double wall = seconds_now() - s->start, seconds = launch_seconds(s);
-    if (seconds < 0) seconds = wall;
+    if (seconds < 0)
+        seconds = wall;
     /* A driver may compile for this group size at the first launch. */
-    if (first) j->image->stats.compile += fmax(0, wall - seconds);
+    if (first)
+        j->image->stats.compile += fmax(0, wall - seconds);
     j->image->stats.trace += seconds;
     copy_pixels(j, s);
     add_tallies(j, s, count);
@@ -257,46 +277,59 @@ static int run_tiles(job *j, feeler_progress progress, void *user, feeler_error 
     tile t;
     while (!stop && tiles_next(&j->tiles, &t)) {
         const bool first = j->image->stats.eye == 0 && turn == 0;
-        if (start_tile(j, &j->slots[turn & 1], &t, error) < 0) return -1;
-        if (finish_tile(j, &j->slots[first ? 0 : (turn + 1) & 1], first, error) < 0) return -1;
+        if (start_tile(j, &j->slots[turn & 1], &t, error) < 0)
+            return -1;
+        if (finish_tile(j, &j->slots[first ? 0 : (turn + 1) & 1], first, error) < 0)
+            return -1;
         turn++;
         stop = progress ? progress(user, (double)j->done / all) : 0;
     }
     for (int i = 0; i < 2; i++)
-        if (finish_tile(j, &j->slots[(turn + i) & 1], false, error) < 0) return -1;
-    if (stop && (double)j->done < all) fail(error, FEELER_INTERRUPTED, "interrupted at %.0f %%", 100 * (double)j->done / all);
+        if (finish_tile(j, &j->slots[(turn + i) & 1], false, error) < 0)
+            return -1;
+    if (stop && (double)j->done < all)
+        fail(error, FEELER_INTERRUPTED, "interrupted at %.0f %%", 100 * (double)j->done / all);
     return 0;
 }
 
 static size_t first_budget(const job *j) {
-    if (j->settings.tile) return (size_t)j->settings.tile;
+    if (j->settings.tile)
+        return (size_t)j->settings.tile;
     size_t budget = (size_t)16384 / (size_t)j->settings.samples;
     return budget > 256 ? budget : 256;
 }
 
 /* A tile has at least one group's height and width of whole groups. */
 static size_t slot_room(const job *j) {
-    size_t room = j->settings.tile ? (size_t)j->settings.tile : MOST_TILE_PIXELS, least = (size_t)(j->group[0] * j->group[1]);
-    if (room > region_pixels(j)) room = region_pixels(j);
+    size_t room = j->settings.tile ? (size_t)j->settings.tile : MOST_TILE_PIXELS,
+           least = (size_t)(j->group[0] * j->group[1]);
+    if (room > region_pixels(j))
+        room = region_pixels(j);
     return room > least ? room : least;
 }
 
 static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const feeler_settings *s = &j->settings;
-    if (pack_scene(&j->packed, scene, s->level == FEELER_REFERENCE, s->brute_force, error) < 0) return -1;
+    if (pack_scene(&j->packed, scene, s->level == FEELER_REFERENCE, s->brute_force, error) < 0)
+        return -1;
     j->features = s->general ? ((UINT32_C(1) << FEATURE_COUNT) - 1) : j->packed.features;
     j->media = s->general ? 8 : j->packed.media;
-    if (s->general && s->brute_force) j->features &= ~(UINT32_C(1) << FEATURE_TREE);
+    if (s->general && s->brute_force)
+        j->features &= ~(UINT32_C(1) << FEATURE_TREE);
     const view view = pack_view(scene, s, j->packed.origin);
-    if (choose_work_group(j->device, s, j->features, j->media, j->group, error) < 0) return -1;
-    if (upload_scene(&j->upload, &j->packed, &view, j->media, j->device, error) < 0) return -1;
+    if (choose_work_group(j->device, s, j->features, j->media, j->group, error) < 0)
+        return -1;
+    if (upload_scene(&j->upload, &j->packed, &view, j->media, j->device, error) < 0)
+        return -1;
     char *options = program_options(s, j->features, j->media, error);
     int status = options ? program_build(&j->program, j->device, options, error) : -1;
     free(options);
-    if (status < 0) return -1;
+    if (status < 0)
+        return -1;
     j->slot_pixels = slot_room(j);
     for (int i = 0; i < 2; i++)
-        if (open_slot(j, &j->slots[i], error) < 0) return -1;
+        if (open_slot(j, &j->slots[i], error) < 0)
+            return -1;
     tiles_start(&j->tiles, s->region, j->group, first_budget(j));
     return find_eye_media(j, error);
 }
@@ -305,14 +338,17 @@ static void list_features(uint32_t features, char *text, size_t size) {
     size_t used = 0;
     text[0] = '\0';
     for (int i = 0; i < FEATURE_COUNT; i++)
-        if (features >> i & 1) used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", feature_names[i]);
-    for (char *c = text; *c; c++) *c = (char)tolower((unsigned char)*c);
+        if (features >> i & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", feature_names[i]);
+    for (char *c = text; *c; c++)
+        *c = (char)tolower((unsigned char)*c);
 }
 
 static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_error *error) {
     render_stats *stats = &j->image->stats;
     double *lights = malloc((2 * scene->light_count + 1) * sizeof *lights);
-    if (!lights) return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+    if (!lights)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     stats->truncation_bound = truncation_bound(scene, j->discarded, lights);
     free(lights);
     stats->load = scene->load_seconds;
@@ -342,17 +378,22 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
     int status = resolve_settings(scene, settings, &j.settings, error);
     if (status == 0 && j.settings.level == FEELER_REFERENCE && !device->has_double)
         status = fail(error, FEELER_DEVICE, "'%s' has no double precision, which level reference needs", device->name);
-    if (status == 0) status = prepare(&j, scene, error);
-    if (status == 0) status = (j.image = new_image(&j, scene, error)) ? 0 : -1;
-    if (status == 0) status = run_tiles(&j, progress, user, error);
-    if (status == 0) status = fill_stats(&j, scene, start, error);
+    if (status == 0)
+        status = prepare(&j, scene, error);
+    if (status == 0)
+        status = (j.image = new_image(&j, scene, error)) ? 0 : -1;
+    if (status == 0)
+        status = run_tiles(&j, progress, user, error);
+    if (status == 0)
+        status = fill_stats(&j, scene, start, error);
     if (status < 0) {
         /* Nothing may still write to what is about to be freed. */
         clFinish(device->queue);
         feeler_image_free(j.image);
         j.image = NULL;
     }
-    for (int i = 0; i < 2; i++) close_slot(&j.slots[i]);
+    for (int i = 0; i < 2; i++)
+        close_slot(&j.slots[i]);
     program_free(&j.program);
     upload_free(&j.upload);
     packed_free(&j.packed);

@@ -9,7 +9,8 @@ void feeler_settings_default(feeler_settings *settings) {
 
 static int check_size(const feeler_settings *s, feeler_error *error) {
     if (s->width < 1 || s->width > 65536 || s->height < 1 || s->height > 65536)
-        return fail(error, FEELER_BAD_USAGE, "a picture of %d x %d pixels: each side can be 1 to 65536", s->width, s->height);
+        return fail(error, FEELER_BAD_USAGE, "a picture of %d x %d pixels: each side can be 1 to 65536", s->width,
+                    s->height);
     if ((int64_t)s->width * s->height > INT64_C(1) << 28)
         return fail(error, FEELER_BAD_USAGE, "a picture of %d x %d pixels: at most 2^28 pixels can be rendered at once",
                     s->width, s->height);
@@ -19,47 +20,60 @@ static int check_size(const feeler_settings *s, feeler_error *error) {
 static int check_region(const feeler_settings *s, feeler_error *error) {
     const int *r = s->region;
     if (r[0] < 0 || r[1] < 0 || r[2] > s->width || r[3] > s->height || r[0] >= r[2] || r[1] >= r[3])
-        return fail(error, FEELER_BAD_USAGE, "the region %d,%d,%d,%d does not lie in the picture of %d x %d pixels", r[0],
-                    r[1], r[2], r[3], s->width, s->height);
+        return fail(error, FEELER_BAD_USAGE, "the region %d,%d,%d,%d does not lie in the picture of %d x %d pixels",
+                    r[0], r[1], r[2], r[3], s->width, s->height);
     return 0;
 }
 
 static int check_settings(const feeler_settings *s, feeler_error *error) {
-    if (check_size(s, error) < 0 || check_region(s, error) < 0) return -1;
+    if (check_size(s, error) < 0 || check_region(s, error) < 0)
+        return -1;
     if (s->samples < 1 || s->samples > 4096)
         return fail(error, FEELER_BAD_USAGE, "%d samples per pixel: 1 to 4096 are possible", s->samples);
-    if (s->depth < 1 || s->depth > 256) return fail(error, FEELER_BAD_USAGE, "depth %d: 1 to 256 is possible", s->depth);
-    if (!(s->jitter >= 0 && s->jitter <= 1)) return fail(error, FEELER_BAD_USAGE, "jitter %g is not from 0 to 1", s->jitter);
-    if (!(s->cutoff >= 0 && s->cutoff <= 1)) return fail(error, FEELER_BAD_USAGE, "cutoff %g is not from 0 to 1", s->cutoff);
+    if (s->depth < 1 || s->depth > 256)
+        return fail(error, FEELER_BAD_USAGE, "depth %d: 1 to 256 is possible", s->depth);
+    if (!(s->jitter >= 0 && s->jitter <= 1))
+        return fail(error, FEELER_BAD_USAGE, "jitter %g is not from 0 to 1", s->jitter);
+    if (!(s->cutoff >= 0 && s->cutoff <= 1))
+        return fail(error, FEELER_BAD_USAGE, "cutoff %g is not from 0 to 1", s->cutoff);
     if (s->level < FEELER_DRAFT || s->level > FEELER_REFERENCE)
         return fail(error, FEELER_BAD_USAGE, "there is no level %d", s->level);
     if (s->lanes != 1 && s->lanes != 2 && s->lanes != 4 && s->lanes != 8 && s->lanes != 16)
         return fail(error, FEELER_BAD_USAGE, "%d lanes: 1, 2, 4, 8 or 16 are possible", s->lanes);
     if (s->work_group[0] < 0 || s->work_group[1] < 0 || !s->work_group[0] != !s->work_group[1])
         return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d", s->work_group[0], s->work_group[1]);
-    if (s->tile < 0) return fail(error, FEELER_BAD_USAGE, "a tile of %d pixels", s->tile);
+    if (s->tile < 0)
+        return fail(error, FEELER_BAD_USAGE, "a tile of %d pixels", s->tile);
     return 0;
 }
 
 /* One sample is a ray on its own; more travel together, as many as fill a vector of 64 bytes. */
 static int choose_lanes(int samples, int level) {
     int lanes = 1, most = level == FEELER_REFERENCE ? 8 : 16;
-    while (lanes < most && lanes * 2 <= samples) lanes *= 2;
+    while (lanes < most && lanes * 2 <= samples)
+        lanes *= 2;
     return lanes;
 }
 
 int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, feeler_settings *s, feeler_error *error) {
     *s = *asked;
-    if (s->width == 0) s->width = scene->width;
-    if (s->height == 0) s->height = scene->height;
-    if (s->samples == 0) s->samples = scene->samples;
-    if (s->jitter < 0) s->jitter = scene->jitter;
-    if (s->depth == 0) s->depth = scene->depth;
-    if (s->cutoff < 0) s->cutoff = scene->cutoff;
+    if (s->width == 0)
+        s->width = scene->width;
+    if (s->height == 0)
+        s->height = scene->height;
+    if (s->samples == 0)
+        s->samples = scene->samples;
+    if (s->jitter < 0)
+        s->jitter = scene->jitter;
+    if (s->depth == 0)
+        s->depth = scene->depth;
+    if (s->cutoff < 0)
+        s->cutoff = scene->cutoff;
     if (!s->region[0] && !s->region[1] && !s->region[2] && !s->region[3]) {
         s->region[2] = s->width;
         s->region[3] = s->height;
     }
-    if (s->lanes == 0) s->lanes = choose_lanes(s->samples, s->level);
+    if (s->lanes == 0)
+        s->lanes = choose_lanes(s->samples, s->level);
     return check_settings(s, error);
 }

@@ -15,29 +15,45 @@ static void include_ball(extent *e, vec3 p, double r) {
 }
 
 static void include_points(extent *e, const vec3 *points, size_t count) {
-    for (size_t i = 0; i < count; i++) include_ball(e, points[i], 0);
+    for (size_t i = 0; i < count; i++)
+        include_ball(e, points[i], 0);
 }
 
 static void include_object(extent *e, const scene_object *o) {
     switch (o->shape) {
-    case SHAPE_SPHERE: include_ball(e, o->sphere.centre, o->sphere.radius); break;
-    case SHAPE_PLANE: break;
-    case SHAPE_DISC: include_ball(e, o->disc.centre, o->disc.radius); break;
-    case SHAPE_BOX: include_points(e, (vec3[]){o->box.low, o->box.high}, 2); break;
-    case SHAPE_TRIANGLE: include_points(e, o->triangle.corners, 3); break;
-    case SHAPE_POLYGON: include_points(e, o->polygon.corners, o->polygon.count); break;
+    case SHAPE_SPHERE:
+        include_ball(e, o->sphere.centre, o->sphere.radius);
+        break;
+    case SHAPE_PLANE:
+        break;
+    case SHAPE_DISC:
+        include_ball(e, o->disc.centre, o->disc.radius);
+        break;
+    case SHAPE_BOX:
+        include_points(e, (vec3[]){o->box.low, o->box.high}, 2);
+        break;
+    case SHAPE_TRIANGLE:
+        include_points(e, o->triangle.corners, 3);
+        break;
+    case SHAPE_POLYGON:
+        include_points(e, o->polygon.corners, o->polygon.count);
+        break;
     case SHAPE_CONE:
         include_ball(e, o->cone.base, o->cone.base_radius);
         include_ball(e, o->cone.top, o->cone.top_radius);
         break;
-    case SHAPE_MESH: include_points(e, o->mesh.vertices, o->mesh.vertex_count); break;
+    case SHAPE_MESH:
+        include_points(e, o->mesh.vertices, o->mesh.vertex_count);
+        break;
     }
 }
 
 /* A multiple of a power of two, so that moving by it rounds little and a scene scaled by a power of two moves alike. */
 static double shift(double middle, double size) {
-    if (!(fabs(middle) > 2 * size)) return 0;
-    if (size == 0) return middle;
+    if (!(fabs(middle) > 2 * size))
+        return 0;
+    if (size == 0)
+        return middle;
     int exponent;
     frexp(size, &exponent);
     return ldexp(rint(ldexp(middle, -exponent)), exponent);
@@ -45,7 +61,8 @@ static double shift(double middle, double size) {
 
 vec3 scene_origin(const feeler_scene *scene) {
     extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < scene->object_count; i++) include_object(&e, &scene->objects[i]);
+    for (size_t i = 0; i < scene->object_count; i++)
+        include_object(&e, &scene->objects[i]);
     if (!(e.low.x <= e.high.x)) /* nothing bounded: what the eye looks at */
         include_points(&e, (vec3[]){scene->camera.eye, scene->camera.look_at}, 2);
     vec3 middle = vec_add(vec_scale(e.low, 0.5), vec_scale(e.high, 0.5));
@@ -68,7 +85,8 @@ view pack_view(const feeler_scene *scene, const feeler_settings *resolved, vec3 
     double span = camera->spans_centres ? fmax(resolved->height - 1, 1) : resolved->height;
     double half = tan(camera->fov * (acos(-1.0) / 360)) / span;
     vec3 ambient = scene->ambient;
-    for (size_t i = 0; i < scene->light_count; i++) ambient = vec_add(ambient, scene->lights[i].ambient);
+    for (size_t i = 0; i < scene->light_count; i++)
+        ambient = vec_add(ambient, scene->lights[i].ambient);
     return (view){
         .eye = to_real4(vec_subtract(camera->eye, origin)),
         .forward = to_real4(forward),
@@ -88,7 +106,8 @@ static int compare_edges(const void *a, const void *b) {
 int mesh_is_closed(const scene_mesh *mesh, feeler_error *error) {
     size_t count = 3 * mesh->triangle_count;
     uint64_t *edges = malloc((count ? 2 * count : 1) * sizeof *edges), *back = edges + count;
-    if (!edges) return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the edges of a mesh");
+    if (!edges)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the edges of a mesh");
     for (size_t i = 0; i < count; i++) {
         uint64_t a = mesh->indices[i], b = mesh->indices[i % 3 == 2 ? i - 2 : i + 1];
         edges[i] = a << 32 | b;
@@ -97,7 +116,8 @@ int mesh_is_closed(const scene_mesh *mesh, feeler_error *error) {
     qsort(edges, count, sizeof *edges, compare_edges);
     qsort(back, count, sizeof *back, compare_edges);
     int closed = count > 0;
-    for (size_t i = 0; closed && i < count; i++) closed = edges[i] == back[i];
+    for (size_t i = 0; closed && i < count; i++)
+        closed = edges[i] == back[i];
     free(edges);
     return closed;
 }

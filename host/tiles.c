@@ -19,16 +19,19 @@ static int smaller(int a, int b) {
 /* `pixels` / `by` rounded down to whole groups, one at least. */
 static int whole_groups(size_t pixels, int by, int group) {
     size_t length = pixels / (size_t)by, groups = length / (size_t)group;
-    if (groups < 1) groups = 1;
+    if (groups < 1)
+        groups = 1;
     return groups > (size_t)(1 << 20) / (size_t)group ? 1 << 20 : (int)groups * group;
 }
 
 /* Bands from the top down, as high as the budget allows for the whole width; a band that one group's height makes too
  * large is cut across as well. */
 bool tiles_next(tiles *t, tile *tile) {
-    if (t->y >= t->region[3]) return false;
+    if (t->y >= t->region[3])
+        return false;
     int width = t->region[2] - t->region[0];
-    if (t->x == t->region[0]) t->height = smaller(whole_groups(t->budget, width, t->group[1]), t->region[3] - t->y);
+    if (t->x == t->region[0])
+        t->height = smaller(whole_groups(t->budget, width, t->group[1]), t->region[3] - t->y);
     tile->x0 = t->x;
     tile->y0 = t->y;
     tile->y1 = t->y + t->height;

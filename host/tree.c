@@ -1,6 +1,6 @@
 /* tree.c - the tree over the bounded primitives: its shape by Embree's builder, its boxes ours. */
-#include "packed.h"
 #include "clock.h"
+#include "packed.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>
@@ -30,30 +30,38 @@ bounds primitive_bounds(const packed *p, size_t number) {
     uint4 primitive = ((const uint4 *)p->arrays[ARRAY_PRIMITIVES].data)[number];
     uint32_t index = primitive.y;
     switch (primitive.x) {
-    case KIND_SPHERE: return ((const sphere *)p->arrays[ARRAY_SPHERES].data)[index].bounds;
-    case KIND_DISC: return ((const disc *)p->arrays[ARRAY_DISCS].data)[index].bounds;
-    case KIND_BOX: return ((const box *)p->arrays[ARRAY_BOXES].data)[index].bounds;
-    case KIND_POLYGON: return ((const polygon *)p->arrays[ARRAY_POLYGONS].data)[index].bounds;
-    case KIND_CONE: return ((const cone *)p->arrays[ARRAY_CONES].data)[index].bounds;
+    case KIND_SPHERE:
+        return ((const sphere *)p->arrays[ARRAY_SPHERES].data)[index].bounds;
+    case KIND_DISC:
+        return ((const disc *)p->arrays[ARRAY_DISCS].data)[index].bounds;
+    case KIND_BOX:
+        return ((const box *)p->arrays[ARRAY_BOXES].data)[index].bounds;
+    case KIND_POLYGON:
+        return ((const polygon *)p->arrays[ARRAY_POLYGONS].data)[index].bounds;
+    case KIND_CONE:
+        return ((const cone *)p->arrays[ARRAY_CONES].data)[index].bounds;
     case KIND_TRIANGLE: {
         uint4 t = ((const uint4 *)p->arrays[ARRAY_TRIANGLES].data)[index];
         const real4 *v = p->arrays[ARRAY_VERTICES].data;
         return join(join((bounds){v[t.x], v[t.x]}, (bounds){v[t.y], v[t.y]}), (bounds){v[t.z], v[t.z]});
     }
-    default: return empty_bounds();
+    default:
+        return empty_bounds();
     }
 }
 
 static void *create_node(RTCThreadLocalAllocator allocator, unsigned int count, void *user) {
     (void)count, (void)user;
     branch *b = rtcThreadLocalAlloc(allocator, sizeof *b, 16);
-    if (b) b->count = 0;
+    if (b)
+        b->count = 0;
     return b;
 }
 
 static void set_children(void *node, void **children, unsigned int count, void *user) {
     (void)user;
-    for (unsigned int i = 0; i < count; i++) ((branch *)node)->children[i] = children[i];
+    for (unsigned int i = 0; i < count; i++)
+        ((branch *)node)->children[i] = children[i];
 }
 
 /* The tree keeps no boxes of Embree's: they are float, and ours are those that the device computes with. */
@@ -65,9 +73,11 @@ static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuil
                          void *user) {
     (void)user;
     branch *b = rtcThreadLocalAlloc(allocator, sizeof *b, 16);
-    if (!b) return NULL;
+    if (!b)
+        return NULL;
     b->count = count;
-    for (size_t i = 0; i < count; i++) b->numbers[i] = primitives[i].primID;
+    for (size_t i = 0; i < count; i++)
+        b->numbers[i] = primitives[i].primID;
     return b;
 }
 
@@ -88,9 +98,14 @@ static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_
     for (size_t i = 0; i < p->bounded; i++) {
         bounds b = primitive_bounds(p, order[i]);
         out[i] = (struct RTCBuildPrimitive){
-            .lower_x = lower(b.low.x), .lower_y = lower(b.low.y), .lower_z = lower(b.low.z),
-            .upper_x = upper(b.high.x), .upper_y = upper(b.high.y), .upper_z = upper(b.high.z),
-            .geomID = 0, .primID = order[i],
+            .lower_x = lower(b.low.x),
+            .lower_y = lower(b.low.y),
+            .lower_z = lower(b.low.z),
+            .upper_x = upper(b.high.x),
+            .upper_y = upper(b.high.y),
+            .upper_z = upper(b.high.z),
+            .geomID = 0,
+            .primID = order[i],
         };
     }
     return out;
@@ -109,7 +124,8 @@ static bounds flatten(packed *p, const branch *b, uint32_t *next_entry) {
         box = join(box, primitive_bounds(p, b->numbers[i]));
     }
     if (b->count == 0)
-        for (int i = 0; i < 2; i++) box = join(box, flatten(p, b->children[i], next_entry));
+        for (int i = 0; i < 2; i++)
+            box = join(box, flatten(p, b->children[i], next_entry));
     nodes[index].bounds = box;
     links[index].x = (uint32_t)p->arrays[ARRAY_NODES].count;
     return box;
@@ -117,7 +133,8 @@ static bounds flatten(packed *p, const branch *b, uint32_t *next_entry) {
 
 /* Room for all nodes first, so that flatten cannot fail: a binary tree has fewer inner nodes than leaves. */
 static int reserve(array *a, size_t count, feeler_error *error) {
-    if (!array_add(a, count, error)) return -1;
+    if (!array_add(a, count, error))
+        return -1;
     a->count = 0;
     return 0;
 }
@@ -149,8 +166,10 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
         p->arrays[ARRAY_LINKS].count = p->arrays[ARRAY_NODES].count;
         status = 0;
     }
-    if (bvh) rtcReleaseBVH(bvh);
-    if (device) rtcReleaseDevice(device);
+    if (bvh)
+        rtcReleaseBVH(bvh);
+    if (device)
+        rtcReleaseDevice(device);
     return status;
 }
 
@@ -159,24 +178,30 @@ static int fill_order(packed *p, feeler_error *error) {
     size_t count = p->arrays[ARRAY_PRIMITIVES].count;
     const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
     uint32_t *order = array_add(&p->arrays[ARRAY_ORDER], count, error);
-    if (!order && count) return -1;
+    if (!order && count)
+        return -1;
     size_t last = count;
     for (size_t i = count; i-- > 0;)
-        if (primitives[i].x == KIND_PLANE) order[--last] = (uint32_t)i;
+        if (primitives[i].x == KIND_PLANE)
+            order[--last] = (uint32_t)i;
     p->bounded = 0;
     for (size_t i = 0; i < count; i++)
-        if (primitives[i].x != KIND_PLANE) order[p->bounded++] = (uint32_t)i;
+        if (primitives[i].x != KIND_PLANE)
+            order[p->bounded++] = (uint32_t)i;
     return 0;
 }
 
 int build_tree(packed *p, bool brute_force, feeler_error *error) {
     double start = seconds_now();
-    if (fill_order(p, error) < 0) return -1;
-    if (brute_force || p->bounded == 0) return 0;
+    if (fill_order(p, error) < 0)
+        return -1;
+    if (brute_force || p->bounded == 0)
+        return 0;
     struct RTCBuildPrimitive *primitives = build_primitives(p, p->arrays[ARRAY_ORDER].data, error);
     int status = primitives ? build(p, primitives, error) : -1;
     free(primitives);
-    if (status == 0) p->features |= UINT32_C(1) << FEATURE_TREE;
+    if (status == 0)
+        p->features |= UINT32_C(1) << FEATURE_TREE;
     p->tree_seconds = seconds_now() - start;
     return status;
 }

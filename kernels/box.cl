@@ -1,15 +1,13 @@
 // box.cl - the axis-aligned box: its own bounds.
 
-crossing intersect_box(ray r, vectors low, vectors high, uint flags)
-{
+crossing intersect_box(ray r, vectors low, vectors high, uint flags) {
     const interval i = intersect_bounds(r, low, high);
     return first_ahead(i.near <= i.far, i.near, i.far, flags);
 }
 
 // The face hit is the one whose plane is nearest to the point, in units of what can be told apart there; its coordinate is
 // set exactly, the others are kept inside.
-surface surface_box(ray r, reals distance, vectors low, vectors high)
-{
+surface surface_box(ray r, reals distance, vectors low, vectors high) {
     const vectors zero = make_vectors(splat(0), splat(0), splat(0));
     const vectors p = along(r.origin, r.direction, distance);
     const vectors a = mul(sub(low, r.origin), r.inverse), b = mul(sub(high, r.origin), r.inverse);

@@ -1,8 +1,7 @@
 // camera.cl - where in a pixel the samples are, and the eye rays through them.
 
 // Three well mixed numbers from three (Jarzynski and Olano 2020, Hash Functions for GPU Rendering: pcg3d).
-uint4 hash3(uint x, uint y, uint z)
-{
+uint4 hash3(uint x, uint y, uint z) {
     x = x * 1664525u + 1013904223u;
     y = y * 1664525u + 1013904223u;
     z = z * 1664525u + 1013904223u;
@@ -18,14 +17,17 @@ uint4 hash3(uint x, uint y, uint z)
     return (uint4)(x, y, z, 0);
 }
 
-real unit_interval(uint bits) { return R(bits >> 8) * R(0x1p-24); }
+real unit_interval(uint bits) {
+    return R(bits >> 8) * R(0x1p-24);
+}
 
-typedef struct { real x, y; } place;
+typedef struct {
+    real x, y;
+} place;
 
 // The place of a sample in its pixel, from 0 to 1 each way: cells of equal size in rows that are as many as a square's,
 // a longer row being a higher one. It depends on pixel and sample alone. One sample is at the centre.
-place place_sample(uint x, uint y, uint sample, uint samples, real jitter)
-{
+place place_sample(uint x, uint y, uint sample, uint samples, real jitter) {
     uint rows = 1;
     while ((rows + 1) * (rows + 1) <= samples)
         rows++;
@@ -42,8 +44,7 @@ place place_sample(uint x, uint y, uint sample, uint samples, real jitter)
 }
 
 // The directions of the eye rays (16.5, 16.6) of samples first, first + 1, ... of a pixel.
-vectors eye_directions(const view *camera, uint x, uint y, uint first, uint4 frame)
-{
+vectors eye_directions(const view *camera, uint x, uint y, uint first, uint4 frame) {
     reals across, down;
     for (int lane = 0; lane < LANES; lane++) {
         const uint sample = min(first + lane, frame.z - 1);

@@ -1,9 +1,11 @@
 // cone.cl - cones, truncated cones and cylinders about an axis, open or capped, in the frame u, v, axis at the base.
 
-typedef struct { vectors base, u, v, axis; reals radius, slope, height, top_radius; } frustum;
+typedef struct {
+    vectors base, u, v, axis;
+    reals radius, slope, height, top_radius;
+} frustum;
 
-frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis_top_radius)
-{
+frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis_top_radius) {
     frustum f;
     f.base = base_radius.xyz;
     f.u = u_height.xyz;
@@ -16,22 +18,25 @@ frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axi
     return f;
 }
 
-vectors to_frame(frustum f, vectors a) { return make_vectors(dot3(f.u, a), dot3(f.v, a), dot3(f.axis, a)); }
+vectors to_frame(frustum f, vectors a) {
+    return make_vectors(dot3(f.u, a), dot3(f.v, a), dot3(f.axis, a));
+}
 
-vectors from_frame(frustum f, vectors a)
-{
+vectors from_frame(frustum f, vectors a) {
     return along(along(scale(f.u, a.x), f.v, a.y), f.axis, a.z);
 }
 
 // Where a ray is inside the infinite double cone: from `first` to `last`, or, for a ray steeper than the side (`steep`),
 // before `first` and after `last`.
-typedef struct { ints found, steep; reals first, last; } chord;
+typedef struct {
+    ints found, steep;
+    reals first, last;
+} chord;
 
 // Q(t) = (x + t dx)^2 + (y + t dy)^2 - (R + t w)^2, with R the radius at the origin's height and w its change along the
 // ray. The discriminant is Lagrange's identity in the form's own signature, (R dx - x w)^2 + (R dy - y w)^2
 // - (x dy - y dx)^2, each a difference of products: nothing of the distance's square is left to cancel.
-chord intersect_double_cone(vectors o, vectors d, reals radius, reals change)
-{
+chord intersect_double_cone(vectors o, vectors d, reals radius, reals change) {
     const reals s = difference_of_products(radius, d.x, o.x, change);
     const reals t = difference_of_products(radius, d.y, o.y, change);
     const reals w = difference_of_products(o.x, d.y, o.y, d.x);
@@ -59,8 +64,7 @@ chord intersect_double_cone(vectors o, vectors d, reals radius, reals change)
 #define PART_TOP 2
 
 // A capped cone is where the double cone's and the two planes' intervals overlap: side and caps meet without a seam.
-crossing intersect_capped(chord k, interval height, ints rising, ints widening, uint flags)
-{
+crossing intersect_capped(chord k, interval height, ints rising, ints widening, uint flags) {
     const reals first = k.steep ? (widening ? k.last : splat(-INFINITY)) : k.first;
     const reals last = k.steep ? (widening ? splat(INFINITY) : k.first) : k.last;
     const reals enter = max(first, height.near), leave = min(last, height.far);
@@ -72,11 +76,11 @@ crossing intersect_capped(chord k, interval height, ints rising, ints widening, 
 }
 
 // An open one is its side alone: the first of the two crossings that is ahead, within the height and seen.
-crossing intersect_open(chord k, interval height, uint flags)
-{
+crossing intersect_open(chord k, interval height, uint flags) {
     const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
     const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
-    const ints first = (k.steep ? back : front) & (k.first > splat(0)) & (k.first >= height.near) & (k.first <= height.far);
+    const ints first =
+        (k.steep ? back : front) & (k.first > splat(0)) & (k.first >= height.near) & (k.first <= height.far);
     const ints last = (k.steep ? front : back) & (k.last > splat(0)) & (k.last >= height.near) & (k.last <= height.far);
     crossing c;
     c.found = k.found & (first | last);
@@ -86,8 +90,7 @@ crossing intersect_open(chord k, interval height, uint flags)
     return c;
 }
 
-crossing intersect_cone(ray r, frustum f, uint flags)
-{
+crossing intersect_cone(ray r, frustum f, uint flags) {
     const vectors o = to_frame(f, sub(r.origin, f.base)), d = to_frame(f, r.direction);
     const reals change = f.slope * d.z;
     const chord k = intersect_double_cone(o, d, fma(f.slope, o.z, f.radius), change);
@@ -103,8 +106,7 @@ crossing intersect_cone(ray r, frustum f, uint flags)
 
 // The point is put back onto the part that was hit, in the cone's frame. Errors: the frame's three products and sums, the
 // world's sum, and the radius, which is a sum of its own.
-surface surface_cone(ray r, reals distance, reals part, frustum f)
-{
+surface surface_cone(ray r, reals distance, reals part, frustum f) {
     const vectors o = to_frame(f, sub(r.origin, f.base)), d = to_frame(f, r.direction);
     vectors p = along(o, d, distance);
     const ints side = part == splat(PART_SIDE), top = part == splat(PART_TOP);
@@ -122,7 +124,8 @@ surface surface_cone(ray r, reals distance, reals part, frustum f)
     surface s;
     s.normal = s.shading = normalise(from_frame(f, normal));
     s.point = add(f.base, from_frame(f, p));
-    const vectors in_frame = add(absolute(scale(f.u, p.x)), add(absolute(scale(f.v, p.y)), absolute(scale(f.axis, p.z))));
+    const vectors in_frame =
+        add(absolute(scale(f.u, p.x)), add(absolute(scale(f.v, p.y)), absolute(scale(f.axis, p.z))));
     const reals of_radius = (f.radius + fabs(f.slope) * p.z) * slant * GAMMA(4);
     s.error = add(scale(in_frame, splat(GAMMA(12))), scale(add(absolute(f.base), absolute(s.point)), splat(GAMMA(3))));
     s.error = add(s.error, make_vectors(of_radius, of_radius, of_radius));

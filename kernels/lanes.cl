@@ -63,79 +63,107 @@ typedef JOIN(int, LANES) ints;
 #define REAL_LANE(v, lane) (((private real *)&(v))[lane])
 #define INT_LANE(v, lane) (((private integer *)&(v))[lane])
 
-bool any_lane(ints m)
-{
+bool any_lane(ints m) {
     integer bits = 0;
     for (int lane = 0; lane < LANES; lane++)
         bits |= INT_LANE(m, lane);
     return bits != 0;
 }
 
-uint count_lanes(ints m)
-{
+uint count_lanes(ints m) {
     uint count = 0;
     for (int lane = 0; lane < LANES; lane++)
         count += INT_LANE(m, lane) != 0;
     return count;
 }
 
-reals splat(real x) { return (reals)(x); }
+reals splat(real x) {
+    return (reals)(x);
+}
 
-ints mask(bool b) { return (ints)(b ? TRUE : 0); }
+ints whole(integer i) {
+    return (ints)(i);
+}
+
+ints mask(bool b) {
+    return (ints)(b ? TRUE : 0);
+}
 
 // Vectors in space, and colours (x red, y green, z blue).
-typedef struct { reals x, y, z; } vectors;
+typedef struct {
+    reals x, y, z;
+} vectors;
 
-typedef struct { vectors xyz; reals w; } quads;
+typedef struct {
+    vectors xyz;
+    reals w;
+} quads;
 
-vectors make_vectors(reals x, reals y, reals z)
-{
+vectors make_vectors(reals x, reals y, reals z) {
     vectors v = {x, y, z};
     return v;
 }
 
-vectors splat_xyz(real4 v) { return make_vectors(splat(v.x), splat(v.y), splat(v.z)); }
+vectors splat_xyz(real4 v) {
+    return make_vectors(splat(v.x), splat(v.y), splat(v.z));
+}
 
-vectors add(vectors a, vectors b) { return make_vectors(a.x + b.x, a.y + b.y, a.z + b.z); }
+vectors add(vectors a, vectors b) {
+    return make_vectors(a.x + b.x, a.y + b.y, a.z + b.z);
+}
 
-vectors sub(vectors a, vectors b) { return make_vectors(a.x - b.x, a.y - b.y, a.z - b.z); }
+vectors sub(vectors a, vectors b) {
+    return make_vectors(a.x - b.x, a.y - b.y, a.z - b.z);
+}
 
-vectors mul(vectors a, vectors b) { return make_vectors(a.x * b.x, a.y * b.y, a.z * b.z); }
+vectors mul(vectors a, vectors b) {
+    return make_vectors(a.x * b.x, a.y * b.y, a.z * b.z);
+}
 
-vectors scale(vectors a, reals s) { return make_vectors(a.x * s, a.y * s, a.z * s); }
+vectors scale(vectors a, reals s) {
+    return make_vectors(a.x * s, a.y * s, a.z * s);
+}
 
-vectors negate(vectors a) { return make_vectors(-a.x, -a.y, -a.z); }
+vectors negate(vectors a) {
+    return make_vectors(-a.x, -a.y, -a.z);
+}
 
-vectors absolute(vectors a) { return make_vectors(fabs(a.x), fabs(a.y), fabs(a.z)); }
+vectors absolute(vectors a) {
+    return make_vectors(fabs(a.x), fabs(a.y), fabs(a.z));
+}
 
 // a + b s
-vectors along(vectors a, vectors b, reals s)
-{
+vectors along(vectors a, vectors b, reals s) {
     return make_vectors(fma(b.x, s, a.x), fma(b.y, s, a.y), fma(b.z, s, a.z));
 }
 
-reals dot3(vectors a, vectors b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+reals dot3(vectors a, vectors b) {
+    return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
 
-reals largest(vectors a) { return max(max(a.x, a.y), a.z); }
+reals largest(vectors a) {
+    return max(max(a.x, a.y), a.z);
+}
 
-vectors choose(ints m, vectors a, vectors b)
-{
+vectors choose(ints m, vectors a, vectors b) {
     return make_vectors(m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z);
 }
 
-reals choose_real(ints m, reals a, reals b) { return m ? a : b; }
+reals choose_real(ints m, reals a, reals b) {
+    return m ? a : b;
+}
 
 // a where m, else 0.
-vectors where(ints m, vectors a) { return choose(m, a, make_vectors(splat(0), splat(0), splat(0))); }
+vectors where(ints m, vectors a) {
+    return choose(m, a, make_vectors(splat(0), splat(0), splat(0)));
+}
 
-vectors normalise(vectors a)
-{
+vectors normalise(vectors a) {
     return scale(a, splat(1) / sqrt(dot3(a, a)));
 }
 
 // The real4 at index, and every `stride` reals from `first` on, for each lane.
-quads gather(global const real *first, ints index, int stride)
-{
+quads gather(global const real *first, ints index, int stride) {
     quads q;
     for (int lane = 0; lane < LANES; lane++) {
         const real4 v = *(global const real4 *)(first + INT_LANE(index, lane) * stride);
@@ -148,5 +176,5 @@ quads gather(global const real *first, ints index, int stride)
 }
 
 // array[index].member for each lane, member being a real4.
-#define GATHER(array, index, member) \
+#define GATHER(array, index, member)                                                                                   \
     gather((global const real *)&(array)->member, index, (int)(sizeof(*(array)) / sizeof(real)))

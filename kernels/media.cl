@@ -2,52 +2,49 @@
 // materials of the solids entered and not yet left, outermost first. The one of highest priority counts, among equals the
 // last entered. A full list takes no more.
 
-typedef struct { ints material[MEDIA]; } media; // -1: no entry
+typedef struct {
+    ints material[MEDIA];
+} media; // -1: no entry
 
-media no_media(void)
-{
+media no_media(void) {
     media m;
     for (int i = 0; i < MEDIA; i++)
-        m.material[i] = (ints)((integer)-1);
+        m.material[i] = whole(-1);
     return m;
 }
 
-reals priority_of(const scene *s, ints material)
-{
+reals priority_of(const scene *s, ints material) {
 #if HAS_PRIORITY
-    return GATHER(s->materials, max(material, (ints)((integer)0)), optics).xyz.y;
+    return GATHER(s->materials, max(material, whole(0)), optics).xyz.y;
 #else
     return splat(0);
 #endif
 }
 
 // The medium that counts, or -1 outside everything.
-ints dominant(const scene *s, media m)
-{
-    ints best = (ints)((integer)-1);
+ints dominant(const scene *s, media m) {
+    ints best = whole(-1);
     reals highest = splat(-INFINITY);
     for (int i = 0; i < MEDIA; i++) {
         const reals priority = priority_of(s, m.material[i]);
-        const ints wins = (m.material[i] >= (ints)((integer)0)) & (priority >= highest);
+        const ints wins = (m.material[i] >= 0) & (priority >= highest);
         best = wins ? m.material[i] : best;
         highest = wins ? priority : highest;
     }
     return best;
 }
 
-media enter_medium(media m, ints material)
-{
+media enter_medium(media m, ints material) {
     ints placed = mask(false);
     for (int i = 0; i < MEDIA; i++) {
-        const ints here = !placed & (m.material[i] < (ints)((integer)0));
+        const ints here = !placed & (m.material[i] < 0);
         m.material[i] = here ? material : m.material[i];
         placed |= here;
     }
     return m;
 }
 
-ints contains_medium(media m, ints material)
-{
+ints contains_medium(media m, ints material) {
     ints found = mask(false);
     for (int i = 0; i < MEDIA; i++)
         found |= m.material[i] == material;
@@ -55,38 +52,38 @@ ints contains_medium(media m, ints material)
 }
 
 // Removes the latest entry of the material, if there is one.
-media leave_medium(media m, ints material)
-{
-    ints last = (ints)((integer)MEDIA);
+media leave_medium(media m, ints material) {
+    ints last = whole(MEDIA);
     for (int i = 0; i < MEDIA; i++)
-        last = m.material[i] == material ? (ints)((integer)i) : last;
+        last = m.material[i] == material ? whole(i) : last;
     for (int i = 0; i < MEDIA; i++) {
-        const ints next = i + 1 < MEDIA ? m.material[i + 1 < MEDIA ? i + 1 : i] : (ints)((integer)-1);
-        m.material[i] = (ints)((integer)i) >= last ? next : m.material[i];
+        const ints next = i + 1 < MEDIA ? m.material[i + 1 < MEDIA ? i + 1 : i] : whole(-1);
+        m.material[i] = whole(i) >= last ? next : m.material[i];
     }
     return m;
 }
 
-media choose_media(ints mask, media a, media b)
-{
+media choose_media(ints mask, media a, media b) {
     for (int i = 0; i < MEDIA; i++)
         a.material[i] = mask ? a.material[i] : b.material[i];
     return a;
 }
 
-reals index_of(const scene *s, ints material)
-{
-    const reals index = GATHER(s->materials, max(material, (ints)((integer)0)), optics).xyz.x;
-    return material < (ints)((integer)0) ? splat(1) : index;
+reals index_of(const scene *s, ints material) {
+    const reals index = GATHER(s->materials, max(material, whole(0)), optics).xyz.x;
+    return material < 0 ? splat(1) : index;
 }
 
 // What a ray passes at a surface of a transmitting material: eta = eta_v / eta_t, the media behind, and whether the
 // boundary is there at all (a medium of higher priority may hide it).
-typedef struct { reals eta; media behind; ints visible; } boundary;
+typedef struct {
+    reals eta;
+    media behind;
+    ints visible;
+} boundary;
 
 // Leaving what was never entered (an open surface, met from its back) is as leaving it for the medium that counts.
-boundary cross_boundary(const scene *s, media in, ints material, ints entering)
-{
+boundary cross_boundary(const scene *s, media in, ints material, ints entering) {
     const ints known = entering | contains_medium(in, material);
     const media behind = choose_media(entering, enter_medium(in, material), leave_medium(in, material));
     const ints here = dominant(s, in), there = dominant(s, behind);
@@ -95,7 +92,7 @@ boundary cross_boundary(const scene *s, media in, ints material, ints entering)
     b.visible = !known | (entering ? there == material : here == material);
     b.eta = index_of(s, known ? here : material) / index_of(s, there);
     // A list that was full took no entry; the surface bends all the same.
-    const ints full = entering & (in.material[MEDIA - 1] >= (ints)((integer)0));
+    const ints full = entering & (in.material[MEDIA - 1] >= 0);
     b.visible |= full;
     b.eta = full ? index_of(s, here) / index_of(s, material) : b.eta;
     return b;

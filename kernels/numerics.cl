@@ -15,30 +15,26 @@
 #endif
 
 // a b - c d with an error of at most 1.5 ulp, so that its sign is right (Kahan; Jeannerod, Louvet, Muller 2013).
-reals difference_of_products(reals a, reals b, reals c, reals d)
-{
+reals difference_of_products(reals a, reals b, reals c, reals d) {
     const reals cd = c * d;
     const reals difference = fma(a, b, -cd);
     const reals error = fma(-c, d, cd);
     return difference + error;
 }
 
-vectors cross3(vectors a, vectors b)
-{
+vectors cross3(vectors a, vectors b) {
     return make_vectors(difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
                         difference_of_products(a.x, b.y, a.y, b.x));
 }
 
 // x moved away from itself in the direction of `towards` by at least one ulp; a zero stays: an ulp of nothing is nothing.
-reals next_away(reals x, reals towards)
-{
+reals next_away(reals x, reals towards) {
     return towards == splat(0) ? x : x + copysign(fabs(x) * (R(2) * UNIT), towards);
 }
 
 // Where a ray starts that leaves the point p, known to within `error` in each coordinate, on the side of the normal n
 // (pbrt 4th ed., 6.8.6): outside the error's box, then past the sum's own rounding.
-vectors spawn(vectors p, vectors error, vectors n)
-{
+vectors spawn(vectors p, vectors error, vectors n) {
     const vectors offset = scale(n, dot3(absolute(n), error));
     const vectors moved = add(p, offset);
     return make_vectors(next_away(moved.x, offset.x), next_away(moved.y, offset.y), next_away(moved.z, offset.z));
@@ -63,8 +59,7 @@ vectors spawn(vectors p, vectors error, vectors n)
 //
 // log2 base is found as a sum of two reals (so that a large exponent does not magnify its error): base = 2^e m with
 // m in [sqrt 1/2, sqrt 2), s = (m - 1) / (m + 1), log2 m = 2/ln2 (s + s^3/3 + s^5/5 + ...). Then 2^y by its Taylor series.
-reals power(reals base, reals exponent)
-{
+reals power(reals base, reals exponent) {
     const ints offset = (ints)(AS_INTS(splat(R(0.70710678118654752440))));
     const ints bits = AS_INTS(base) - offset;
     const reals e = TO_REALS(bits >> MANTISSA);

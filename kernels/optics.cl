@@ -3,24 +3,24 @@
 
 // A direction turned, if need be, to leave a surface on the side of the geometric normal n: interpolated normals may send
 // it below.
-vectors keep_above(vectors direction, vectors n)
-{
+vectors keep_above(vectors direction, vectors n) {
     const reals height = dot3(direction, n);
     const vectors lifted = normalise(along(direction, n, R(0x1p-10) - height));
     return choose(height > splat(0), direction, lifted);
 }
 
 // r_v = 2 (v.n) n - v (16.9)
-vectors reflect(vectors v, vectors n)
-{
+vectors reflect(vectors v, vectors n) {
     return normalise(along(negate(v), n, R(2) * dot3(v, n)));
 }
 
-typedef struct { ints found; vectors direction; } refraction;
+typedef struct {
+    ints found;
+    vectors direction;
+} refraction;
 
 // t = t_par + t_perp (16.15 - 16.18); none on total internal reflection. eta = eta_v / eta_t.
-refraction refract(vectors v, vectors n, reals eta)
-{
+refraction refract(vectors v, vectors n, reals eta) {
     const vectors parallel = scale(along(negate(v), n, dot3(v, n)), eta); // (16.17)
     const reals squared = dot3(parallel, parallel);
     refraction t;
@@ -31,8 +31,7 @@ refraction refract(vectors v, vectors n, reals eta)
 }
 
 // The share of unpolarised light that is reflected (Fresnel; Born and Wolf 1.5.2), for the cosines on both sides.
-reals fresnel(reals cos_v, reals cos_t, reals eta)
-{
+reals fresnel(reals cos_v, reals cos_t, reals eta) {
     const reals across = (eta * cos_v - cos_t) / (eta * cos_v + cos_t);
     const reals within = (cos_v - eta * cos_t) / (cos_v + eta * cos_t);
     return R(0.5) * fma(across, across, within * within);

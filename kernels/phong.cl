@@ -12,10 +12,12 @@ typedef struct {
     reals shininess;
 } coefficients;
 
-typedef struct { vectors colour; uint feelers; } illumination;
+typedef struct {
+    vectors colour;
+    uint feelers;
+} illumination;
 
-coefficients find_coefficients(const scene *s, ints material)
-{
+coefficients find_coefficients(const scene *s, ints material) {
     coefficients c;
     c.diffuse = GATHER(s->materials, material, diffuse).xyz;
     const quads specular = GATHER(s->materials, material, specular_shininess);
@@ -33,12 +35,14 @@ coefficients find_coefficients(const scene *s, ints material)
 // A feeler ends this much short of its light, relative to its length: a light may lie on a surface.
 #define FEELER_SHORT (R(1) - R(64) * UNIT)
 
-typedef struct { vectors share; ints sent; } visibility; // share: of the light that arrives, 0 or 1 unless filtered
+typedef struct {
+    vectors share;
+    ints sent;
+} visibility; // share: of the light that arrives, 0 or 1 unless filtered
 
 #if HAS_FILTERED_SHADOWS
 // Extension: what a feeler crosses lets its rho_tg through, once per surface, nearest first.
-vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active)
-{
+vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active) {
     vectors share = where(active, splat_xyz((real4)(1)));
     while (any_lane(active)) {
         const ray r = make_ray(origin, direction);
@@ -46,7 +50,7 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
         active &= h.primitive >= 0;
         const identity id = identify(s, active, h);
         const surface f = find_surface(s, r, h, active, id);
-        const vectors passes = GATHER(s->materials, active ? id.material : (ints)((integer)0), transmission).xyz;
+        const vectors passes = GATHER(s->materials, active ? id.material : whole(0), transmission).xyz;
         share = choose(active, mul(share, passes), share);
         active &= largest(share) > splat(0);
         const ints outwards = dot3(direction, f.normal) > splat(0);
@@ -58,8 +62,7 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
 #endif
 
 // What arrives at a point from a light at `to_light` (a segment; a direction of length 1 where the light is directional).
-visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints active)
-{
+visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints active) {
     visibility v;
     v.sent = active;
     v.share = where(active, splat_xyz((real4)(1)));
@@ -81,11 +84,12 @@ visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints
     return v;
 }
 
-ints is_positive(vectors a) { return largest(a) > splat(0); }
+ints is_positive(vectors a) {
+    return largest(a) > splat(0);
+}
 
 // The two terms of one light at each lane: reflection's where it is on the viewer's side, transmission's where it is not.
-illumination illuminate(const scene *s, shade_point p, coefficients c, light l, ints active)
-{
+illumination illuminate(const scene *s, shade_point p, coefficients c, light l, ints active) {
     const vectors intensity_d = splat_xyz(l.diffuse), intensity_s = splat_xyz(l.specular);
     const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), p.point) : splat_xyz(l.position);
     const reals squared = dot3(segment, segment);
@@ -130,8 +134,7 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
 }
 
 // I_local of (16.20) at each active lane, 0 elsewhere.
-illumination illuminate_locally(const scene *s, shade_point p, vectors ambient_light, ints material, ints active)
-{
+illumination illuminate_locally(const scene *s, shade_point p, vectors ambient_light, ints material, ints active) {
     const coefficients c = find_coefficients(s, material);
     illumination sum;
     sum.feelers = 0;

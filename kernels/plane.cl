@@ -1,8 +1,7 @@
 // plane.cl
 
 // n.(p - o) / n.d, parallel rays aside.
-crossing intersect_plane(ray r, vectors point, vectors normal, uint flags)
-{
+crossing intersect_plane(ray r, vectors point, vectors normal, uint flags) {
     const reals slope = dot3(normal, r.direction);
     crossing c;
     c.distance = dot3(normal, sub(point, r.origin)) / slope;
@@ -17,8 +16,7 @@ crossing intersect_plane(ray r, vectors point, vectors normal, uint flags)
 
 // The point at the distance, put back onto the plane: what rounding moved it away grows with the distance, the residual
 // n.(p - point) tells by how much.
-surface surface_plane(ray r, reals distance, vectors point, vectors normal)
-{
+surface surface_plane(ray r, reals distance, vectors point, vectors normal) {
     surface s;
     const vectors p = along(r.origin, r.direction, distance);
     s.point = along(p, normal, -dot3(normal, sub(p, point)));

@@ -2,8 +2,7 @@
 
 // Even-odd rule for the sheared corners and the point (0, 0), each crossing decided by the exact sign of an edge's
 // difference of products (see triangle.cl): polygons that share an edge share its decision.
-crossing intersect_polygon(ray r, global const real4 *corners, uint count, vectors point, vectors normal, uint flags)
-{
+crossing intersect_polygon(ray r, global const real4 *corners, uint count, vectors point, vectors normal, uint flags) {
     crossing c = intersect_plane(r, point, normal, flags);
     ints inside = mask(false);
     vectors a = apply_shear(r, splat_xyz(corners[count - 1]));

@@ -21,16 +21,14 @@ typedef struct {
     uint4 count; // lights, bounded primitives, nodes, planes
 } scene;
 
-bounds triangle_bounds(real4 a, real4 b, real4 c)
-{
+bounds triangle_bounds(real4 a, real4 b, real4 c) {
     bounds box;
     box.low = min(min(a, b), c);
     box.high = max(max(a, b), c);
     return box;
 }
 
-crossing intersect_bounded(const scene *s, ray r, uint4 primitive)
-{
+crossing intersect_bounded(const scene *s, ray r, uint4 primitive) {
     const uint index = primitive.y, flags = primitive.w;
     crossing c;
     c.found = mask(false);
@@ -99,14 +97,12 @@ crossing intersect_bounded(const scene *s, ray r, uint4 primitive)
     return any_lane(c.found) ? clamp_crossing(r, box, c) : c;
 }
 
-crossing intersect_unbounded(const scene *s, ray r, uint4 primitive)
-{
+crossing intersect_unbounded(const scene *s, ray r, uint4 primitive) {
     const plane a = s->planes[primitive.y];
     return intersect_plane(r, splat_xyz(a.point), splat_xyz(a.normal), primitive.w);
 }
 
-surface choose_surface(ints m, surface a, surface b)
-{
+surface choose_surface(ints m, surface a, surface b) {
     a.point = choose(m, a.point, b.point);
     a.error = choose(m, a.error, b.error);
     a.normal = choose(m, a.normal, b.normal);
@@ -115,10 +111,11 @@ surface choose_surface(ints m, surface a, surface b)
 }
 
 // The material and flags of the primitives hit.
-typedef struct { ints kind, index, material, flags; } identity;
+typedef struct {
+    ints kind, index, material, flags;
+} identity;
 
-identity identify(const scene *s, ints active, hit h)
-{
+identity identify(const scene *s, ints active, hit h) {
     identity id;
     for (int lane = 0; lane < LANES; lane++) {
         const uint4 p = s->primitives[INT_LANE(active, lane) ? INT_LANE(h.primitive, lane) : 0];
@@ -131,8 +128,7 @@ identity identify(const scene *s, ints active, hit h)
 }
 
 #if HAS_TRIANGLE
-surface surface_of_triangles(const scene *s, hit h, ints index, ints smooth)
-{
+surface surface_of_triangles(const scene *s, hit h, ints index, ints smooth) {
     vectors v[3], n[3];
     for (int lane = 0; lane < LANES; lane++) {
         const uint4 t = s->triangles[INT_LANE(index, lane)];
@@ -163,14 +159,13 @@ surface surface_of_triangles(const scene *s, hit h, ints index, ints smooth)
 #endif
 
 // The surface at each lane's hit, kind by kind; lanes that are not active get a harmless one.
-surface find_surface(const scene *s, ray r, hit h, ints active, identity id)
-{
+surface find_surface(const scene *s, ray r, hit h, ints active, identity id) {
     surface f;
     f.point = r.origin;
     f.error = where(mask(false), r.origin);
     f.normal = f.shading = make_vectors(splat(0), splat(0), splat(1));
-#define LANES_OF(KIND) (active & (id.kind == (ints)((integer)(KIND))))
-#define INDEX_OF(m) ((m) ? id.index : (ints)((integer)0))
+#define LANES_OF(KIND) (active & (id.kind == whole(KIND)))
+#define INDEX_OF(m) ((m) ? id.index : whole(0))
     ints m;
 #if HAS_SPHERE
     m = LANES_OF(KIND_SPHERE);
@@ -189,7 +184,8 @@ surface find_surface(const scene *s, ray r, hit h, ints active, identity id)
 #if HAS_DISC
     m = LANES_OF(KIND_DISC);
     if (any_lane(m)) {
-        const quads point = GATHER(s->discs, INDEX_OF(m), centre_radius), normal = GATHER(s->discs, INDEX_OF(m), normal);
+        const quads point = GATHER(s->discs, INDEX_OF(m), centre_radius),
+                    normal = GATHER(s->discs, INDEX_OF(m), normal);
         f = choose_surface(m, surface_plane(r, h.distance, point.xyz, normal.xyz), f);
     }
 #endif

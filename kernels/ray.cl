@@ -2,35 +2,50 @@
 
 // The permutation and shear that lay a ray along +z (Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection):
 // `axis` is the direction's largest component, its two followers become x and y.
-typedef struct { ints axis; reals x, y, z; } shear;
+typedef struct {
+    ints axis;
+    reals x, y, z;
+} shear;
 
-typedef struct { vectors origin, direction, inverse; shear shear; } ray; // direction of length 1
+typedef struct {
+    vectors origin, direction, inverse;
+    shear shear;
+} ray; // direction of length 1
 
 // The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
-typedef struct { reals distance; ints primitive; reals u, v; } hit;
+typedef struct {
+    reals distance;
+    ints primitive;
+    reals u, v;
+} hit;
 
 // Where a ray meets one primitive, if it does.
-typedef struct { ints found; reals distance, u, v; } crossing;
+typedef struct {
+    ints found;
+    reals distance, u, v;
+} crossing;
 
-typedef struct { reals near, far; } interval;
+typedef struct {
+    reals near, far;
+} interval;
 
 // The component `offset` places after the axis, cyclically.
-reals component(vectors a, ints axis, int offset)
-{
+reals component(vectors a, ints axis, int offset) {
     switch (offset) {
-    case 0: return axis == 0 ? a.x : (axis == 1 ? a.y : a.z);
-    case 1: return axis == 0 ? a.y : (axis == 1 ? a.z : a.x);
-    default: return axis == 0 ? a.z : (axis == 1 ? a.x : a.y);
+    case 0:
+        return axis == 0 ? a.x : (axis == 1 ? a.y : a.z);
+    case 1:
+        return axis == 0 ? a.y : (axis == 1 ? a.z : a.x);
+    default:
+        return axis == 0 ? a.z : (axis == 1 ? a.x : a.y);
     }
 }
 
-reals reciprocal(reals d)
-{
+reals reciprocal(reals d) {
     return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d) : d);
 }
 
-ray make_ray(vectors origin, vectors direction)
-{
+ray make_ray(vectors origin, vectors direction) {
     ray r;
     r.origin = origin;
     r.direction = direction;
@@ -47,8 +62,7 @@ ray make_ray(vectors origin, vectors direction)
 }
 
 // A point as the sheared ray sees it: the ray runs through (0, 0) along +z, and z is the distance along it.
-vectors apply_shear(ray r, vectors point)
-{
+vectors apply_shear(ray r, vectors point) {
     const vectors p = sub(point, r.origin);
     const reals z = component(p, r.shear.axis, 0);
     return make_vectors(fma(-r.shear.x, z, component(p, r.shear.axis, 1)),
@@ -57,8 +71,7 @@ vectors apply_shear(ray r, vectors point)
 
 // The ray's interval in a box, never too small (Ize 2013, Robust BVH Ray Traversal). Tree and primitives ask this one
 // function, which is monotone in the box: that is why the tree cannot change a picture.
-interval intersect_bounds(ray r, vectors low, vectors high)
-{
+interval intersect_bounds(ray r, vectors low, vectors high) {
     const vectors a = mul(sub(low, r.origin), r.inverse);
     const vectors b = mul(sub(high, r.origin), r.inverse);
     interval i;
@@ -69,8 +82,7 @@ interval intersect_bounds(ray r, vectors low, vectors high)
 
 // A crossing's distance clamped to the ray's interval in the primitive's box; none where that is empty. What is not ahead
 // (or not a number) stays out: clamping must not bring it back.
-crossing clamp_crossing(ray r, bounds box, crossing c)
-{
+crossing clamp_crossing(ray r, bounds box, crossing c) {
     const interval i = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
     c.found &= (c.distance > splat(0)) & (i.near <= i.far);
     c.distance = min(max(c.distance, i.near), i.far);
@@ -79,8 +91,7 @@ crossing clamp_crossing(ray r, bounds box, crossing c)
 
 // Which of a convex solid's two crossings counts: the first ahead of the origin whose side is seen. A ray enters through
 // the front and leaves through the back.
-crossing first_ahead(ints found, reals enter, reals leave, uint flags)
-{
+crossing first_ahead(ints found, reals enter, reals leave, uint flags) {
     const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
     const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
     const ints entering = front & (enter > splat(0));
@@ -92,9 +103,8 @@ crossing first_ahead(ints found, reals enter, reals leave, uint flags)
 }
 
 // The nearer of two; equal distances go to the lower primitive number.
-hit nearer(hit best, ints active, crossing c, uint primitive)
-{
-    const ints number = (ints)((integer)primitive);
+hit nearer(hit best, ints active, crossing c, uint primitive) {
+    const ints number = whole(primitive);
     const ints better = active & c.found & (c.distance > splat(0)) &
                         ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
     best.distance = better ? c.distance : best.distance;
@@ -106,4 +116,6 @@ hit nearer(hit best, ints active, crossing c, uint primitive)
 
 // The surface at a hit: the point, its rounding error per coordinate, the outward geometric normal and the shading normal
 // (both of length 1).
-typedef struct { vectors point, error, normal, shading; } surface;
+typedef struct {
+    vectors point, error, normal, shading;
+} surface;

@@ -9,13 +9,14 @@
         global const material *materials, global const light *lights
 
 #define SCENE_ARGUMENTS                                                                                                \
-    {primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners, cones, \
-     nodes, links, order, materials, lights, frame.count}
+    {                                                                                                                  \
+        primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners,    \
+            cones, nodes, links, order, materials, lights, frame.count                                                 \
+    }
 
 // One pixel per work-item; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
 kernel void render(SCENE_PARAMETERS, global const view *views, global const int *eye_media, const launch frame,
-                   global real4 *pixels, global real4 *discarded, global tally *tallies)
-{
+                   global real4 *pixels, global real4 *discarded, global tally *tallies) {
     const uint x = frame.tile.x + get_global_id(0), y = frame.tile.y + get_global_id(1);
     if (x >= frame.tile.z || y >= frame.tile.w)
         return;
@@ -34,7 +35,7 @@ kernel void render(SCENE_PARAMETERS, global const view *views, global const int 
             INT_LANE(p.active, lane) = first + lane < samples ? TRUE : 0;
 #if HAS_TRANSMISSION
         for (int i = 0; i < MEDIA; i++)
-            p.in.material[i] = (ints)((integer)eye_media[i]);
+            p.in.material[i] = whole(eye_media[i]);
 #endif
         tree_sum sum = trace(&s, &camera, p, frame.frame.w);
         for (int lane = 0; lane < LANES && first + lane < samples; lane++) {
@@ -54,8 +55,7 @@ kernel void render(SCENE_PARAMETERS, global const view *views, global const int 
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been
 // entered. One work-item.
-kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const launch frame, global int *eye_media)
-{
+kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const launch frame, global int *eye_media) {
     const scene s = SCENE_ARGUMENTS;
     for (int i = 0; i < MEDIA; i++)
         eye_media[i] = -1;

@@ -2,8 +2,7 @@
 
 // Roots of |f + t d|^2 = r^2 without cancellation: the discriminant from the chord's distance (Hearn and Baker; Haines
 // et al., Ray Tracing Gems ch. 7), the smaller root by division (Press et al., 5.6), |f|^2 - r^2 factored.
-crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags)
-{
+crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
     const vectors f = sub(r.origin, centre);
     const reals a = dot3(r.direction, r.direction);
     const reals b = -dot3(f, r.direction);
@@ -16,8 +15,7 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags)
     return first_ahead((discriminant >= splat(0)) | (c < splat(0)), min(s, t), max(s, t), flags);
 }
 
-surface surface_sphere(ray r, reals distance, vectors centre, reals radius)
-{
+surface surface_sphere(ray r, reals distance, vectors centre, reals radius) {
     surface s;
     s.normal = normalise(along(sub(r.origin, centre), r.direction, distance));
     s.shading = s.normal;

@@ -31,13 +31,11 @@ typedef struct {
 } encounter;
 
 // Which lanes' material lets rays through.
-ints transmits(const scene *s, ints material)
-{
+ints transmits(const scene *s, ints material) {
     return is_positive(GATHER(s->materials, material, transmission).xyz);
 }
 
-encounter meet(const scene *s, packet p, ints active)
-{
+encounter meet(const scene *s, packet p, ints active) {
     encounter e;
     const ray r = make_ray(p.origin, p.direction);
     e.h = closest_hit(s, r, active);
@@ -58,16 +56,14 @@ encounter meet(const scene *s, packet p, ints active)
 }
 
 #if HAS_TRANSMISSION
-boundary choose_boundary(ints m, boundary a, boundary b)
-{
+boundary choose_boundary(ints m, boundary a, boundary b) {
     a.eta = m ? a.eta : b.eta;
     a.visible = m ? a.visible : b.visible;
     a.behind = choose_media(m, a.behind, b.behind);
     return a;
 }
 
-encounter choose_encounter(ints m, encounter a, encounter b)
-{
+encounter choose_encounter(ints m, encounter a, encounter b) {
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
@@ -79,8 +75,7 @@ encounter choose_encounter(ints m, encounter a, encounter b)
 
 // The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
 // list of media changes.
-encounter meet_visible(const scene *s, packet p)
-{
+encounter meet_visible(const scene *s, packet p) {
     encounter e = meet(s, p, p.active);
 #if HAS_TRANSMISSION
     for (ints hidden = p.active & !e.b.visible; any_lane(hidden); hidden &= !e.b.visible) {
@@ -94,8 +89,7 @@ encounter meet_visible(const scene *s, packet p)
 }
 
 // The surface as the shading sees it: normals turned to v's side, reflection and transmission found.
-shade_point make_shade_point(packet p, encounter e)
-{
+shade_point make_shade_point(packet p, encounter e) {
     shade_point q;
     q.point = e.f.point;
     q.error = e.f.error;
@@ -123,10 +117,11 @@ shade_point make_shade_point(packet p, encounter e)
 }
 
 // The weights of what a surface sends on: rho_rg and rho_tg, with the extensions that the material asks for.
-typedef struct { vectors reflection, transmission; } shares;
+typedef struct {
+    vectors reflection, transmission;
+} shares;
 
-shares find_shares(const scene *s, shade_point q, encounter e)
-{
+shares find_shares(const scene *s, shade_point q, encounter e) {
     const ints material = e.id.material;
     shares w;
     w.reflection = GATHER(s->materials, material, reflection).xyz;
@@ -152,8 +147,7 @@ shares find_shares(const scene *s, shade_point q, encounter e)
 
 // The packet that goes on with the given shares; what the depth or the cutoff forbids is added to `sum->discarded`.
 packet send_on(packet p, shade_point q, vectors share, vectors direction, vectors side, ints active, real cutoff,
-               uint depth, tree_sum *sum)
-{
+               uint depth, tree_sum *sum) {
     packet next = p;
     next.weight = mul(p.weight, share);
     next.direction = direction;
@@ -168,8 +162,7 @@ packet send_on(packet p, shade_point q, vectors share, vectors direction, vector
 
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
-tree_sum trace(const scene *s, const view *camera, packet p, uint depth)
-{
+tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
     sum.hits = mask(false);

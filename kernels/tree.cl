@@ -1,22 +1,19 @@
 // tree.cl - the nearest hit and whether there is any, through the tree or over every primitive.
 
-hit try_primitive(const scene *s, ray r, ints active, hit best, uint number)
-{
+hit try_primitive(const scene *s, ray r, ints active, hit best, uint number) {
     return nearer(best, active, intersect_bounded(s, r, s->primitives[number]), number);
 }
 
 // Lanes that still look: all for the nearest hit, those without one where any will do.
-ints still_looking(ints active, hit best, bool any)
-{
-    return any ? active & (best.primitive < (ints)((integer)0)) : active;
+ints still_looking(ints active, hit best, bool any) {
+    return any ? active & (best.primitive < 0) : active;
 }
 
 // The nearest hit before `limit`, for the active lanes. With `any`, whichever comes first: only whether there is one counts.
-hit traverse(const scene *s, ray r, ints active, reals limit, bool any)
-{
+hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
     hit best;
     best.distance = limit;
-    best.primitive = (ints)((integer)-1);
+    best.primitive = whole(-1);
     best.u = best.v = splat(0);
 #if HAS_PLANE
     for (uint i = 0; i < s->count.w; i++) {
@@ -29,8 +26,8 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any)
         const bounds box = s->nodes[i].bounds;
         const uint4 link = s->links[i];
         const interval in = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
-        const ints want = still_looking(active, best, any) & (in.near <= in.far) & (in.far > splat(0)) &
-                          (in.near <= best.distance);
+        const ints want =
+            still_looking(active, best, any) & (in.near <= in.far) & (in.far > splat(0)) & (in.near <= best.distance);
         const bool enter = any_lane(want);
         for (uint k = 0; enter && k < link.z; k++)
             best = try_primitive(s, r, want, best, s->order[link.y + k]);
@@ -43,9 +40,10 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any)
     return best;
 }
 
-hit closest_hit(const scene *s, ray r, ints active) { return traverse(s, r, active, splat(INFINITY), false); }
+hit closest_hit(const scene *s, ray r, ints active) {
+    return traverse(s, r, active, splat(INFINITY), false);
+}
 
-ints any_hit(const scene *s, ray r, ints active, reals limit)
-{
-    return active & (traverse(s, r, active, limit, true).primitive >= (ints)((integer)0));
+ints any_hit(const scene *s, ray r, ints active, reals limit) {
+    return active & (traverse(s, r, active, limit, true).primitive >= 0);
 }

@@ -1,8 +1,7 @@
 // triangle.cl - Woop, Benthin, Wald 2013, with edges by Kahan's difference of products: their signs are exact for the
 // sheared corners, so that neighbours never both miss and no second pass in double is needed.
 
-crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flags)
-{
+crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flags) {
     const vectors a = apply_shear(r, v0), b = apply_shear(r, v1), c = apply_shear(r, v2);
     const reals e0 = difference_of_products(c.x, b.y, c.y, b.x);
     const reals e1 = difference_of_products(a.x, c.y, a.y, c.x);
@@ -23,8 +22,7 @@ crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flag
     return x;
 }
 
-vectors interpolate(vectors a, vectors b, vectors c, reals u, reals v)
-{
+vectors interpolate(vectors a, vectors b, vectors c, reals u, reals v) {
     const reals w = splat(1) - u - v;
     return make_vectors(fma(w, a.x, fma(u, b.x, v * c.x)), fma(w, a.y, fma(u, b.y, v * c.y)),
                         fma(w, a.z, fma(u, b.z, v * c.z)));
@@ -32,15 +30,13 @@ vectors interpolate(vectors a, vectors b, vectors c, reals u, reals v)
 
 // The normal of a counter-clockwise triangle. Edges are divided by their largest component first: their product must not
 // leave the range of numbers.
-vectors triangle_normal(vectors v0, vectors v1, vectors v2)
-{
+vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
     const vectors a = sub(v1, v0), b = sub(v2, v0);
     return normalise(cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b)))));
 }
 
 // The point from the weights of the corners, which is nearer to the triangle than the ray's (pbrt 4th ed., 6.8.5).
-surface surface_triangle(vectors v0, vectors v1, vectors v2, reals u, reals v)
-{
+surface surface_triangle(vectors v0, vectors v1, vectors v2, reals u, reals v) {
     surface s;
     const reals w = splat(1) - u - v;
     s.point = interpolate(v0, v1, v2, u, v);

@@ -19,25 +19,49 @@ typedef float4 real4;
 #else
 #include <stdint.h>
 typedef double real;
-typedef struct { real x, y, z, w; } real4;
-typedef struct { uint32_t x, y, z, w; } uint4;
+typedef struct {
+    real x, y, z, w;
+} real4;
+typedef struct {
+    uint32_t x, y, z, w;
+} uint4;
 #endif
 
 /* A box that holds a primitive: a hit's distance is clamped to the ray's interval in it (MODEL, Arithmetic). */
-typedef struct { real4 low, high; } bounds;
+typedef struct {
+    real4 low, high;
+} bounds;
 
-typedef struct { real4 centre_radius; bounds bounds; } sphere;
-typedef struct { real4 point, normal; } plane;
-typedef struct { real4 centre_radius, normal; bounds bounds; } disc;
-typedef struct { bounds bounds; } box;
+typedef struct {
+    real4 centre_radius;
+    bounds bounds;
+} sphere;
+typedef struct {
+    real4 point, normal;
+} plane;
+typedef struct {
+    real4 centre_radius, normal;
+    bounds bounds;
+} disc;
+typedef struct {
+    bounds bounds;
+} box;
 /* Corners are in an array of their own, `first … first + count - 1` (see polygon_range). */
-typedef struct { real4 point, normal; bounds bounds; } polygon;
+typedef struct {
+    real4 point, normal;
+    bounds bounds;
+} polygon;
 /* The axis runs from base (z = 0) to top (z = height) in the frame u, v, axis; radius(z) = radius + slope z. */
-typedef struct { real4 base_radius, u_height, v_slope, axis_top_radius; bounds bounds; } cone;
+typedef struct {
+    real4 base_radius, u_height, v_slope, axis_top_radius;
+    bounds bounds;
+} cone;
 
 /* A node of the tree in depth-first order. Its links: x the node to go to when it is missed, y the first entry of `order`
  * and z the number of entries, 0 for an inner node (whose first child is the next node). */
-typedef struct { bounds bounds; } node;
+typedef struct {
+    bounds bounds;
+} node;
 
 /* Symbols as in (16.20) and (16.12). optics: refractive index, priority, 1 if total reflection carries rho_tg too, 1 if
  * Fresnel weights. */
@@ -47,7 +71,9 @@ typedef struct {
 } material;
 
 /* position.w: 1 for a point light, 0 for a directional one (then xyz is the unit vector towards it). */
-typedef struct { real4 position, diffuse, specular; } light;
+typedef struct {
+    real4 position, diffuse, specular;
+} light;
 
 /* Everything that changes with the view and not with the geometry. A pixel's direction is
  * forward + right * (2 x - width) + up * (height - 2 y), x and y in pixels from the top left corner. */
