@@ -73,6 +73,14 @@ def test_render_help_names_every_option(cli: Any) -> None:
     assert "default: " in text
 
 
+@pytest.mark.parametrize("page", ["command-line.md", "feeler.1"])
+def test_pages_name_every_option(cli: Any, root: Path, page: str) -> None:
+    text = (root / "docs" / page).read_text().replace("\\-", "-")
+    for command in COMMANDS:
+        for option in re.findall(r"^ .*(--[a-z-]+)", cli(command, "--help").stdout, re.MULTILINE):
+            assert option in text, (command, option)
+
+
 USAGE_ERRORS = {
     "no command": ([], "command is missing"),
     "unknown command": (["rendr"], "did you mean 'render'"),
