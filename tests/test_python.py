@@ -241,7 +241,10 @@ def test_settings_that_never_change_the_picture(scene: feeler.Scene) -> None:
 
 
 def test_devices_and_kernels(scene: feeler.Scene) -> None:
-    assert feeler.devices()
+    default = [device for device in feeler.devices() if device["default"]]
+    assert len(default) == 1
+    assert default[0]["name"]
+    assert default[0]["platform"]
     assert "#line 1" in feeler.kernel_source()
     assert "DOUBLE" in feeler.kernel_options(level="reference")
     assert scene.kernel_options() != feeler.kernel_options()

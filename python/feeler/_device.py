@@ -6,7 +6,7 @@ import functools
 import threading
 from typing import Any
 
-from ._library import Error, call, ffi, lib, take_json, take_text, to_bytes, to_string
+from ._library import DEVICE, Error, call, ffi, lib, take_json, take_text, to_bytes, to_string
 
 LEVELS = ("draft", "standard", "reference")
 
@@ -37,9 +37,9 @@ def open_device(select: str | int | None, queue: Any) -> Device:
 
 
 def devices() -> list[dict[str, Any]]:
-    """Every OpenCL platform's devices, the default one marked, as `feeler devices --json` lists them."""
-    listed: list[dict[str, Any]] = take_json(call(lib.feeler_devices_json))
-    return listed
+    """Every OpenCL platform's devices: dicts with index, name, platform, type, double, default and more."""
+    platforms = take_json(call(lib.feeler_devices_json))["platforms"]
+    return [{**device, "platform": platform["name"]} for platform in platforms for device in platform["devices"]]
 
 
 @functools.cache
@@ -47,9 +47,10 @@ def default_queue() -> Any:
     """A pyopencl queue on the device that feeler takes by default."""
     import pyopencl as cl
 
-    name = _opened("").name
-    found = [device for platform in cl.get_platforms() for device in platform.get_devices()]
-    device = next((device for device in found if device.name.strip() == name.strip()), found[0])
+    index = next((device["index"] for device in devices() if device["default"]), None)
+    if index is None:
+        raise Error("there is no OpenCL device", code=DEVICE)
+    device = [device for platform in cl.get_platforms() for device in platform.get_devices()][index]
     return cl.CommandQueue(cl.Context([device]))
 
 
