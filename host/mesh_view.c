@@ -11,10 +11,6 @@ typedef struct axes {
     vec3 right, up, front; /* front points from the object to the viewer */
 } axes;
 
-typedef struct bounds {
-    vec3 low, high;
-} bounds;
-
 static axes axes_for(const char *path) {
     if (mesh_ends_with(path, ".stl"))
         return (axes){{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
@@ -25,35 +21,38 @@ static vec3 along(const axes *a, double right, double up, double front) {
     return vec_add(vec_scale(a->right, right), vec_add(vec_scale(a->up, up), vec_scale(a->front, front)));
 }
 
-static bounds bounds_of(const feeler_scene *scene) {
-    bounds b = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-    for (size_t i = 0; i < scene->object_count; i++) {
-        const scene_mesh *mesh = &scene->objects[i].mesh;
-        for (size_t k = 0; k < mesh->vertex_count; k++) {
-            vec3 v = mesh->vertices[k];
-            b.low = (vec3){fmin(b.low.x, v.x), fmin(b.low.y, v.y), fmin(b.low.z, v.z)};
-            b.high = (vec3){fmax(b.high.x, v.x), fmax(b.high.y, v.y), fmax(b.high.z, v.z)};
-        }
-    }
-    return b;
+/* How far the meshes reach, seen along the view's axes. */
+typedef struct extent {
+    double near, far;                /* along `front` */
+    double right, left, top, bottom; /* greatest distance to that side plus slope times nearness: what a side of the frame touches */
+} extent;
+
+static void reach(extent *e, const axes *view, vec3 v, double slope_across, double slope_up) {
+    double x = vec_dot(v, view->right), y = vec_dot(v, view->up), z = vec_dot(v, view->front);
+    e->near = fmax(e->near, z);
+    e->far = fmin(e->far, z);
+    e->right = fmax(e->right, slope_across * z + x);
+    e->left = fmax(e->left, slope_across * z - x);
+    e->top = fmax(e->top, slope_up * z + y);
+    e->bottom = fmax(e->bottom, slope_up * z - y);
 }
 
-/* How far from the middle of the box an eye has to be for all its corners to be in the picture. */
-static double framing_distance(const feeler_scene *scene, const bounds *b, const axes *view) {
-    double slope = tan(scene->camera.fov * (3.14159265358979323846 / 360));
-    double aspect = (double)scene->width / scene->height;
-    vec3 half = vec_scale(vec_subtract(b->high, b->low), 0.5);
-    double distance = 0;
-    for (int i = 0; i < 8; i++) {
-        vec3 corner = {i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z};
-        double nearness = vec_dot(corner, view->front);
-        distance = fmax(distance, nearness + fabs(vec_dot(corner, view->up)) / slope);
-        distance = fmax(distance, nearness + fabs(vec_dot(corner, view->right)) / (slope * aspect));
-    }
-    return distance;
+/* The nearest eye from which every vertex lies within the slopes, and in the middle: each side of the frame is a plane
+ * that touches the meshes, and two opposite ones meet at the eye's depth. */
+static void place_eye(feeler_scene *scene, const axes *view, double slope_across, double slope_up) {
+    extent e = {-HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < scene->object_count; i++)
+        for (size_t k = 0; k < scene->objects[i].mesh.vertex_count; k++)
+            reach(&e, view, scene->objects[i].mesh.vertices[k], slope_across, slope_up);
+    double x = (e.right - e.left) / 2, y = (e.top - e.bottom) / 2, z = (e.near + e.far) / 2;
+    double eye = fmax((e.right + e.left) / (2 * slope_across), (e.top + e.bottom) / (2 * slope_up));
+    if (!(eye > z))
+        eye = z + 1; /* a single point */
+    scene->camera.look_at = along(view, x, y, z);
+    scene->camera.eye = along(view, x, y, eye);
 }
 
-static void set_camera(feeler_scene *scene, const bounds *b, const axes *own) {
+static void set_camera(feeler_scene *scene, const axes *own) {
     axes view = {.front = along(own, 0.55, 0.42, 1)};
     vec_normalize(&view.front);
     view.right = vec_cross(own->up, view.front);
@@ -63,12 +62,9 @@ static void set_camera(feeler_scene *scene, const bounds *b, const axes *own) {
     scene->height = 480;
     scene->camera.fov = 40;
     scene->camera.up = own->up;
-    scene->camera.look_at = vec_scale(vec_add(b->low, b->high), 0.5);
-    double margin = 1.08;
-    double distance = margin * framing_distance(scene, b, &view);
-    if (!(distance > 0))
-        distance = 1;
-    scene->camera.eye = vec_add(scene->camera.look_at, vec_scale(view.front, distance));
+    double margin = 1.15;
+    double slope = tan(scene->camera.fov * (3.14159265358979323846 / 360)) / margin;
+    place_eye(scene, &view, slope * scene->width / scene->height, slope);
 }
 
 static int add_light(feeler_scene *scene, vec3 position, double diffuse, double specular, feeler_error *error) {
@@ -99,8 +95,7 @@ feeler_scene *scene_read_mesh(const char *path, feeler_error *error) {
     axes own = axes_for(path);
     int status = scene_add_mesh_file(scene, path, -1, -1, (place){0}, error);
     if (status == 0) {
-        bounds b = bounds_of(scene);
-        set_camera(scene, &b, &own);
+        set_camera(scene, &own);
         status = set_lights(scene, &own, error);
     }
     if (status) {

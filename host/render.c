@@ -331,7 +331,8 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
         if (open_slot(j, &j->slots[i], error) < 0)
             return -1;
     tiles_start(&j->tiles, s->region, j->group, first_budget(j));
-    return find_eye_media(j, error);
+    bool transmits = j->features >> FEATURE_TRANSMISSION & 1;
+    return transmits ? find_eye_media(j, error) : 0;
 }
 
 static void list_features(uint32_t features, char *text, size_t size) {

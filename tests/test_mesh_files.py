@@ -264,8 +264,9 @@ def seen_at(scene: dict[str, Any], point: list[float]) -> tuple[float, float]:
 def test_the_camera_frames_the_mesh(name: str) -> None:
     scene = describe(DATA / name)
     points = [seen_at(scene, vertex) for mesh in meshes(scene) for vertex in mesh["vertices"]]
-    assert all(abs(x) < 1 and abs(y) < 1 for x, y in points)
-    assert max(max(abs(x), abs(y)) for x, y in points) > 0.5, "and not from far away"
+    (left, bottom), (right, top) = (tuple(pick(axis) for axis in zip(*points, strict=True)) for pick in (min, max))
+    assert left == pytest.approx(-right) and bottom == pytest.approx(-top), "in the middle"
+    assert max(right, top) == pytest.approx(1 / 1.15), "as large as a margin lets it be"
     assert scene["size"] == [640, 480] and scene["fov"] == 40
 
 
