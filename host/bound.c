@@ -1,5 +1,5 @@
 /* bound.c - how much the rays that were not sent may have carried (MODEL, Depth and Cutoff). */
-#include "render.h"
+#include "bound.h"
 
 #include "packed.h"
 

@@ -27,27 +27,49 @@ typedef struct extent {
     double right, left, top, bottom; /* greatest distance to that side plus slope times nearness: what a side of the frame touches */
 } extent;
 
-static void reach(extent *e, const axes *view, vec3 v, double slope_across, double slope_up) {
-    double x = vec_dot(v, view->right), y = vec_dot(v, view->up), z = vec_dot(v, view->front);
-    e->near = fmax(e->near, z);
-    e->far = fmin(e->far, z);
-    e->right = fmax(e->right, slope_across * z + x);
-    e->left = fmax(e->left, slope_across * z - x);
-    e->top = fmax(e->top, slope_up * z + y);
-    e->bottom = fmax(e->bottom, slope_up * z - y);
-}
-
-/* The nearest eye from which every vertex lies within the slopes, and in the middle: each side of the frame is a plane
- * that touches the meshes, and two opposite ones meet at the eye's depth. */
-static void place_eye(feeler_scene *scene, const axes *view, double slope_across, double slope_up) {
+static extent extent_of(const feeler_scene *scene, const axes *view, double slope_across, double slope_up) {
     extent e = {-HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < scene->object_count; i++)
-        for (size_t k = 0; k < scene->objects[i].mesh.vertex_count; k++)
-            reach(&e, view, scene->objects[i].mesh.vertices[k], slope_across, slope_up);
+        for (size_t k = 0; k < scene->objects[i].mesh.vertex_count; k++) {
+            vec3 v = scene->objects[i].mesh.vertices[k];
+            double x = vec_dot(v, view->right), y = vec_dot(v, view->up), z = vec_dot(v, view->front);
+            e.near = fmax(e.near, z);
+            e.far = fmin(e.far, z);
+            e.right = fmax(e.right, slope_across * z + x);
+            e.left = fmax(e.left, slope_across * z - x);
+            e.top = fmax(e.top, slope_up * z + y);
+            e.bottom = fmax(e.bottom, slope_up * z - y);
+        }
+    return e;
+}
+
+/* Where the middle of what an eye sees lies along an axis, as a slope from the eye's own `at` there. */
+static double middle_seen(const feeler_scene *scene, vec3 axis, vec3 front, double at, double eye) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t i = 0; i < scene->object_count; i++)
+        for (size_t k = 0; k < scene->objects[i].mesh.vertex_count; k++) {
+            vec3 v = scene->objects[i].mesh.vertices[k];
+            double slope = (vec_dot(v, axis) - at) / (eye - vec_dot(v, front));
+            low = fmin(low, slope);
+            high = fmax(high, slope);
+        }
+    return (low + high) / 2;
+}
+
+/* The nearest eye from which every vertex lies within the slopes: each side of the frame is a plane that touches the meshes, and
+ * two opposite ones meet at the eye's depth. Across the direction that has room to spare the eye is moved to the middle. */
+static void place_eye(feeler_scene *scene, const axes *view, double slope_across, double slope_up) {
+    extent e = extent_of(scene, view, slope_across, slope_up);
     double x = (e.right - e.left) / 2, y = (e.top - e.bottom) / 2, z = (e.near + e.far) / 2;
     double eye = fmax((e.right + e.left) / (2 * slope_across), (e.top + e.bottom) / (2 * slope_up));
-    if (!(eye > z))
-        eye = z + 1; /* a single point */
+    if (eye > e.near) {
+        for (int i = 0; i < 4; i++) { /* each step leaves a fraction of the error */
+            x += middle_seen(scene, view->right, view->front, x, eye) * (eye - z);
+            y += middle_seen(scene, view->up, view->front, y, eye) * (eye - z);
+        }
+    } else {
+        eye = e.near + 1; /* a single point */
+    }
     scene->camera.look_at = along(view, x, y, z);
     scene->camera.eye = along(view, x, y, eye);
 }

@@ -6,6 +6,7 @@
 #ifndef FEELER_PACKED_H
 #define FEELER_PACKED_H
 
+#include "array.h"
 #include "scene.h"
 #include "types.h"
 
@@ -30,14 +31,6 @@ typedef enum packed_array {
     ARRAY_LIGHTS,
     ARRAY_COUNT
 } packed_array;
-
-typedef struct array {
-    const char *name;
-    size_t element; /* bytes, in double */
-    bool is_real;   /* made of reals: halves when narrowed to float */
-    void *data;     /* owned */
-    size_t count, capacity;
-} array;
 
 /* What a scene may need; names[i] is the kernels' HAS_… of bit i. */
 typedef enum feature {
@@ -81,9 +74,6 @@ typedef struct packed {
 int pack_scene(packed *packed, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error);
 void packed_free(packed *packed);
 
-/* The place of `count` new elements, zeroed; NULL when out of memory. */
-void *array_add(array *array, size_t count, feeler_error *error);
-
 /* The features of a scene (all but the tree), and the media that its rays may be in at once. */
 uint32_t scene_features(const feeler_scene *scene);
 int scene_media(const feeler_scene *scene);
@@ -100,9 +90,6 @@ int build_tree(packed *packed, bool brute_force, feeler_error *error);
 
 /* The view of a scene for a picture of width x height pixels, as `real` of the packed kind. */
 view pack_view(const feeler_scene *scene, const feeler_settings *resolved, vec3 origin);
-
-/* `count` doubles as floats; to be freed. */
-float *narrow(const void *doubles, size_t count, feeler_error *error);
 
 /* Whether every edge of the mesh is shared by two triangles in opposite directions; -1: out of memory. */
 int mesh_is_closed(const scene_mesh *mesh, feeler_error *error);

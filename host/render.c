@@ -1,11 +1,7 @@
-/* render.c - from a scene to an image: pack, upload, build, launch tile by tile. */
-#include "render.h"
-
+/* render.c - from a scene to an image: pack, upload, build, launch tile by tile, collect. */
+#include "bound.h"
 #include "clock.h"
-#include "image.h"
-#include "program.h"
-#include "tiles.h"
-#include "upload.h"
+#include "job.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -13,39 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A launch's results, on the device and here. Two take turns, so that the device never waits for the host. */
-typedef struct slot {
-    cl_mem pixels, discarded, tallies;
-    void *host_pixels, *host_discarded;
-    tally *host_tallies;
-    cl_event launched, read;
-    tile tile;
-    double start;
-} slot;
-
-typedef struct job {
-    feeler_device *device;
-    feeler_settings settings; /* resolved */
-    uint32_t features;
-    int media;
-    packed packed;
-    upload upload;
-    program program;
-    slot slots[2];
-    size_t slot_pixels; /* room in a slot */
-    int group[2];
-    tiles tiles;
-    feeler_image *image;
-    double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */
-    size_t done;                        /* pixels */
-} job;
-
 enum { MOST_TILE_PIXELS = 1 << 18 };
 static const double tile_seconds = 0.1; /* what a launch should take: progress and Ctrl-C stay quick */
-
-static size_t real_size(const job *j) {
-    return j->settings.level == FEELER_REFERENCE ? sizeof(double) : sizeof(float);
-}
 
 static size_t region_pixels(const job *j) {
     const int *r = j->settings.region;
@@ -71,122 +36,6 @@ static feeler_image *new_image(const job *j, const feeler_scene *scene, feeler_e
     image->is_double = j->settings.level == FEELER_REFERENCE;
     image->transparent = j->settings.transparent;
     return image;
-}
-
-static int open_slot(job *j, slot *s, feeler_error *error) {
-    size_t colours = j->slot_pixels * 4 * real_size(j), tallies = j->slot_pixels * sizeof(tally);
-    cl_context context = j->device->context;
-    cl_int status;
-    s->host_pixels = malloc(colours);
-    s->host_discarded = malloc(colours);
-    s->host_tallies = malloc(tallies);
-    if (!s->host_pixels || !s->host_discarded || !s->host_tallies)
-        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tile of %zu pixels", j->slot_pixels);
-    s->pixels = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS)
-        s->discarded = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS)
-        s->tallies = clCreateBuffer(context, CL_MEM_WRITE_ONLY, tallies, NULL, &status);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clCreateBuffer", status);
-}
-
-static void close_slot(slot *s) {
-    if (s->read)
-        clReleaseEvent(s->read);
-    if (s->launched)
-        clReleaseEvent(s->launched);
-    if (s->pixels)
-        clReleaseMemObject(s->pixels);
-    if (s->discarded)
-        clReleaseMemObject(s->discarded);
-    if (s->tallies)
-        clReleaseMemObject(s->tallies);
-    free(s->host_pixels);
-    free(s->host_discarded);
-    free(s->host_tallies);
-}
-
-/* The parameters that every entry point begins with, and the next index. */
-static cl_uint bind_scene(cl_kernel kernel, const upload *u, cl_int *status) {
-    cl_uint i = 0;
-    for (; i < ARRAY_COUNT; i++)
-        *status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &u->arrays[i]);
-    *status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &u->view);
-    return i;
-}
-
-static launch make_launch(const job *j, const tile *t) {
-    const array *arrays = j->packed.arrays;
-    size_t planes = arrays[ARRAY_PRIMITIVES].count - j->packed.bounded;
-    return (launch){
-        .tile = {(uint32_t)t->x0, (uint32_t)t->y0, (uint32_t)t->x1, (uint32_t)t->y1},
-        .frame = {(uint32_t)j->settings.width, (uint32_t)j->settings.height, (uint32_t)j->settings.samples,
-                  (uint32_t)j->settings.depth},
-        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.bounded,
-                  (uint32_t)arrays[ARRAY_NODES].count, (uint32_t)planes},
-    };
-}
-
-static int find_eye_media(job *j, feeler_error *error) {
-    cl_int status = CL_SUCCESS;
-    cl_kernel kernel = j->program.find_eye_media;
-    const launch frame = make_launch(j, &(tile){0, 0, 0, 0});
-    cl_uint i = bind_scene(kernel, &j->upload, &status);
-    status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
-    status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &j->upload.eye_media);
-    if (status != CL_SUCCESS)
-        return fail_cl(error, "clSetKernelArg", status);
-    const size_t one = 1;
-    status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
-    if (status == CL_SUCCESS)
-        status = clFinish(j->device->queue);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
-}
-
-static int bind_render(job *j, const slot *s, feeler_error *error) {
-    cl_int status = CL_SUCCESS;
-    cl_kernel kernel = j->program.render;
-    const launch frame = make_launch(j, &s->tile);
-    cl_uint i = bind_scene(kernel, &j->upload, &status);
-    status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &j->upload.eye_media);
-    status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
-    status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->pixels);
-    status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->discarded);
-    status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &s->tallies);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
-}
-
-static size_t tile_pixels(const tile *t) {
-    return (size_t)(t->x1 - t->x0) * (size_t)(t->y1 - t->y0);
-}
-
-static size_t round_up(int length, int by) {
-    return (size_t)((length + by - 1) / by) * (size_t)by;
-}
-
-/* Launches a tile and asks for its results; waits for nothing. */
-static int start_tile(job *j, slot *s, const tile *t, feeler_error *error) {
-    cl_command_queue queue = j->device->queue;
-    s->tile = *t;
-    s->start = seconds_now();
-    if (bind_render(j, s, error) < 0)
-        return -1;
-    const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]}, count = tile_pixels(t);
-    const size_t global[2] = {round_up(t->x1 - t->x0, j->group[0]), round_up(t->y1 - t->y0, j->group[1])};
-    cl_int status = clEnqueueNDRangeKernel(queue, j->program.render, 2, NULL, global, local, 0, NULL, &s->launched);
-    if (status != CL_SUCCESS)
-        return fail_cl(error, "clEnqueueNDRangeKernel", status);
-    const size_t colours = count * 4 * real_size(j);
-    status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, NULL);
-    if (status == CL_SUCCESS)
-        status =
-            clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &s->launched, NULL);
-    if (status == CL_SUCCESS)
-        status = clEnqueueReadBuffer(queue, s->tallies, CL_FALSE, 0, count * sizeof(tally), s->host_tallies, 1,
-                                     &s->launched, &s->read);
-    if (status == CL_SUCCESS)
-        status = clFlush(queue);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
 }
 
 static void add_tallies(job *j, const slot *s, size_t count) {
@@ -224,15 +73,6 @@ static void copy_pixels(job *j, const slot *s) {
         size_t at = (size_t)(y - j->image->y0) * (size_t)j->image->width + (size_t)(t->x0 - j->image->x0);
         memcpy((char *)j->image->pixels + at * size, (const char *)s->host_pixels + (size_t)(y - t->y0) * row, row);
     }
-}
-
-/* How long the launch ran on the device; negative where the queue does not tell. */
-static double launch_seconds(const slot *s) {
-    cl_ulong start, end;
-    if (clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
-        clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS)
-        return -1;
-    return 1e-9 * (double)(end - start);
 }
 
 /* The next tile twice as large while launches are short, smaller where they are long. */

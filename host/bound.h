@@ -1,6 +1,6 @@
-/* render.h - what rendering's parts share. */
-#ifndef FEELER_RENDER_H
-#define FEELER_RENDER_H
+/* bound.h - the error that unsent rays may have made. */
+#ifndef FEELER_BOUND_H
+#define FEELER_BOUND_H
 
 #include "scene.h"
 

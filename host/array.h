@@ -1,0 +1,23 @@
+/* array.h - growing arrays of the device's elements, on the host. */
+#ifndef FEELER_ARRAY_H
+#define FEELER_ARRAY_H
+
+#include "feeler.h"
+
+#include <stdbool.h>
+
+typedef struct array {
+    const char *name;
+    size_t element; /* bytes, in double */
+    bool is_real;   /* made of reals: halves when narrowed to float */
+    void *data;     /* owned */
+    size_t count, capacity;
+} array;
+
+/* The place of `count` new elements, zeroed; NULL when out of memory. */
+void *array_add(array *array, size_t count, feeler_error *error);
+
+/* `count` doubles as floats; to be freed. */
+float *narrow(const void *doubles, size_t count, feeler_error *error);
+
+#endif

@@ -1,0 +1,51 @@
+/* job.h - a render under way. */
+#ifndef FEELER_JOB_H
+#define FEELER_JOB_H
+
+#include "image.h"
+#include "program.h"
+#include "tiles.h"
+#include "upload.h"
+
+/* A launch's results, on the device and here. Two take turns, so that the device never waits for the host. */
+typedef struct slot {
+    cl_mem pixels, discarded, tallies;
+    void *host_pixels, *host_discarded;
+    tally *host_tallies;
+    cl_event launched, read;
+    tile tile;
+    double start;
+} slot;
+
+typedef struct job {
+    feeler_device *device;
+    feeler_settings settings; /* resolved */
+    uint32_t features;
+    int media;
+    packed packed;
+    upload upload;
+    program program;
+    slot slots[2];
+    size_t slot_pixels; /* room in a slot */
+    int group[2];
+    tiles tiles;
+    feeler_image *image;
+    double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */
+    size_t done;                        /* pixels */
+} job;
+
+/* Bytes of the kernels' `real`. */
+size_t real_size(const job *job);
+size_t tile_pixels(const tile *tile);
+
+/* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */
+int open_slot(const job *job, slot *slot, feeler_error *error);
+void close_slot(slot *slot);
+/* Finds the media that the eye is in; waits for it. */
+int find_eye_media(const job *job, feeler_error *error);
+/* Launches a tile and asks for its results; waits for nothing. */
+int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
+/* How long the launch ran on the device; negative where the queue does not tell. */
+double launch_seconds(const slot *slot);
+
+#endif
