@@ -9,8 +9,8 @@ typedef struct bake {
     const matrix *matrix;
     vec3 cofactors[3]; /* rows of the matrix that turns normals: inverse transpose, up to a positive factor */
     bool mirrored;
-    bool similar;      /* keeps shapes: rotation, mirror and one scale */
-    double scale;      /* if similar */
+    bool similar; /* keeps shapes: rotation, mirror and one scale */
+    double scale; /* if similar */
 } bake;
 
 static vec3 column(const matrix *m, int j) {
@@ -25,7 +25,8 @@ static bake prepare(const matrix *m) {
     frexp(extent, &exponent);
     vec3 unit[3];
     for (int j = 0; j < 3; j++)
-        unit[j] = (vec3){ldexp(columns[j].x, -exponent), ldexp(columns[j].y, -exponent), ldexp(columns[j].z, -exponent)};
+        unit[j] =
+            (vec3){ldexp(columns[j].x, -exponent), ldexp(columns[j].y, -exponent), ldexp(columns[j].z, -exponent)};
     vec3 cross[3] = {vec_cross(unit[1], unit[2]), vec_cross(unit[2], unit[0]), vec_cross(unit[0], unit[1])};
     b.mirrored = vec_dot(unit[0], cross[0]) < 0;
     double sign = b.mirrored ? -1 : 1;
@@ -55,9 +56,10 @@ static vec3 normal(const bake *b, vec3 n) {
 }
 
 static int need_similar(const bake *b, const scene_object *object, const char *what, feeler_error *error) {
-    return b->similar ? 0
-                      : fail_at(error, FEELER_BAD_INPUT, object->place,
-                                "a non-uniform transform of a %s needs an instance, which feeler does not have yet", what);
+    return b->similar
+               ? 0
+               : fail_at(error, FEELER_BAD_INPUT, object->place,
+                         "a non-uniform transform of a %s needs an instance, which feeler does not have yet", what);
 }
 
 static void swap_points(vec3 *a, vec3 *b) {
@@ -137,8 +139,10 @@ static int box_to_mesh(scene_object *object, feeler_error *error) {
 
 static int bake_box(const bake *b, scene_object *object, feeler_error *error) {
     vec3 low = object->box.low, high = object->box.high;
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) /* checked here as well: afterwards it could not be seen */
-        return fail_at(error, FEELER_BAD_INPUT, object->place, "the box's 'low' must be below its 'high' in x, y and z");
+    if (!(low.x < high.x && low.y < high.y &&
+          low.z < high.z)) /* checked here as well: afterwards it could not be seen */
+        return fail_at(error, FEELER_BAD_INPUT, object->place,
+                       "the box's 'low' must be below its 'high' in x, y and z");
     if (!keeps_axes(b->matrix)) {
         if (box_to_mesh(object, error) != 0)
             return -1;

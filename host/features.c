@@ -25,9 +25,6 @@ const char *const feature_names[FEATURE_COUNT] = {
     "TREE",
 };
 
-/* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
-enum { MOST_MEDIA = 8 };
-
 bool is_black(vec3 colour) {
     return colour.x == 0 && colour.y == 0 && colour.z == 0;
 }
@@ -53,7 +50,7 @@ static uint32_t material_features(const scene_material *m) {
            bit(FEATURE_DIFFUSE_TRANSMISSION, !is_black(m->diffuse_transmission)) |
            bit(FEATURE_SPECULAR_TRANSMISSION, !is_black(m->specular_transmission)) |
            bit(FEATURE_REFLECTION, !is_black(m->reflection)) | bit(FEATURE_TRANSMISSION, !is_black(m->transmission)) |
-           bit(FEATURE_FRESNEL, m->fresnel && !is_black(m->transmission)) |
+           bit(FEATURE_FRESNEL, m->fresnel && !(is_black(m->reflection) && is_black(m->transmission))) |
            bit(FEATURE_TOTAL_REFLECTION, m->total_reflection && !is_black(m->transmission)) |
            bit(FEATURE_PRIORITY, m->priority != 0 && !is_black(m->transmission));
 }
@@ -69,6 +66,12 @@ uint32_t scene_features(const feeler_scene *scene) {
     features |= bit(FEATURE_SHADOWS, scene->shadows && scene->light_count > 0);
     features |= bit(FEATURE_FILTERED_SHADOWS, scene->shadows && scene->filtered_shadows && transmits);
     return features;
+}
+
+/* Whether there are shadows is a setting, not something that a scene might do without. */
+uint32_t general_features(uint32_t features) {
+    uint32_t settings = bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true) | bit(FEATURE_TREE, true);
+    return (bit(FEATURE_COUNT, true) - 1) & (~settings | features);
 }
 
 int scene_media(const feeler_scene *scene) {

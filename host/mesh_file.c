@@ -77,6 +77,8 @@ static int read_file(import *in) {
     if (!in->file)
         copy_reason(why, sizeof why);
     pthread_mutex_unlock(&assimp_lock);
+    if (in->io.out_of_memory)
+        return fail(in->error, FEELER_OUT_OF_MEMORY, "out of memory");
     if (in->file)
         return 0;
     if (strncmp(why, "No suitable reader", 18) == 0)

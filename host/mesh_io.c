@@ -50,6 +50,7 @@ static struct aiFile *open_file(struct aiFileIO *calls, const char *path, const 
         *file = (struct aiFile){read_items, write_items, position_of, size_of, seek_to, flush, (aiUserData)(void *)stream};
         return file;
     }
+    io->out_of_memory |= !file;
     free(file);
     if (!io->missing[0] && mesh_ends_with(path, ".mtl"))
         snprintf(io->missing, sizeof io->missing, "%s", path);

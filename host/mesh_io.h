@@ -3,9 +3,11 @@
 #define FEELER_MESH_IO_H
 
 #include <assimp/cfileio.h>
+#include <stdbool.h>
 
 typedef struct mesh_io {
     struct aiFileIO calls; /* to be given to assimp */
+    bool out_of_memory;
     char missing[512];     /* the first material library (.mtl) that could not be opened; empty: none */
 } mesh_io;
 

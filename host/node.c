@@ -194,7 +194,8 @@ size_t node_count(const feeler_node *node) {
     if (node->kind == NODE_MAP || node->kind == NODE_LIST)
         return node->children.count;
     if (node->kind == NODE_ARRAY)
-        return node->array.rows == 1 || node->array.columns == 1 ? node->array.rows * node->array.columns : node->array.rows;
+        return node->array.rows == 1 || node->array.columns == 1 ? node->array.rows * node->array.columns
+                                                                 : node->array.rows;
     return 0;
 }
 

@@ -11,21 +11,27 @@
 typedef enum node_kind { NODE_MAP, NODE_LIST, NODE_TEXT, NODE_NUMBER, NODE_ARRAY, NODE_ALIAS } node_kind;
 
 struct feeler_node {
-    uint8_t kind;             /* node_kind */
-    bool quoted;              /* NODE_TEXT: never a number or a bool */
-    uint32_t index;           /* position among its parent's children */
-    uint32_t line, column;    /* of the value, from 1; 0: not from a text */
+    uint8_t kind;          /* node_kind */
+    bool quoted;           /* NODE_TEXT: never a number or a bool */
+    uint32_t index;        /* position among its parent's children */
+    uint32_t line, column; /* of the value, from 1; 0: not from a text */
     uint32_t key_line, key_column;
     feeler_node *parent;
-    feeler_node *next;        /* sibling */
-    const char *key;          /* in a map, else NULL */
-    const char *source;       /* the root's only: the text's name */
+    feeler_node *next;  /* sibling */
+    const char *key;    /* in a map, else NULL */
+    const char *source; /* the root's only: the text's name */
     union {
-        struct { feeler_node *first, *last; size_t count; } children;
+        struct {
+            feeler_node *first, *last;
+            size_t count;
+        } children;
         const char *text;
         double number;
-        struct { double *values; size_t rows, columns; } array;
-        feeler_node *target;  /* NODE_ALIAS: what the anchor stands on; a node of the same tree, never an alias */
+        struct {
+            double *values;
+            size_t rows, columns;
+        } array;
+        feeler_node *target; /* NODE_ALIAS: what the anchor stands on; a node of the same tree, never an alias */
     };
 };
 

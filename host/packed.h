@@ -77,6 +77,11 @@ void packed_free(packed *packed);
 /* The features of a scene (all but the tree), and the media that its rays may be in at once. */
 uint32_t scene_features(const feeler_scene *scene);
 int scene_media(const feeler_scene *scene);
+/* Everything, but for what is a setting: those as in `features`. */
+uint32_t general_features(uint32_t features);
+
+/* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
+enum { MOST_MEDIA = 8 };
 bool is_black(vec3 colour);
 
 /* Where a scene's coordinates are moved to: the middle of what is bounded, if that is far from 0 for its size. */

@@ -60,7 +60,7 @@ char *program_options(const feeler_settings *s, uint32_t features, int media, fe
 char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s = *settings;
     uint32_t features = (UINT32_C(1) << FEATURE_COUNT) - 1;
-    int media = 8;
+    int media = MOST_MEDIA;
     if (!scene) {
         if (s.lanes == 0)
             s.lanes = 1;
@@ -69,10 +69,9 @@ char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *se
     } else {
         if (resolve_settings(scene, settings, &s, error) < 0)
             return NULL;
-        if (!s.general) {
-            features = scene_features(scene) | (s.brute_force ? 0 : UINT32_C(1) << FEATURE_TREE);
-            media = scene_media(scene);
-        }
+        features = scene_features(scene) | (s.brute_force ? 0 : UINT32_C(1) << FEATURE_TREE);
+        features = s.general ? general_features(features) : features;
+        media = s.general ? MOST_MEDIA : scene_media(scene);
     }
     return program_options(&s, features, media, error);
 }

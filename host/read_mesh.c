@@ -44,16 +44,19 @@ static int read_mesh_file(reader *reader, const feeler_node *const *nodes, int m
         return fail_memory(reader);
     int status = check_mesh_file(reader, nodes[MESH_FILE], path);
     if (status == 0)
-        status = scene_add_mesh_file(reader->scene, path, material, nodes[MESH_SMOOTH] ? smooth : -1, place, reader->error);
+        status =
+            scene_add_mesh_file(reader->scene, path, material, nodes[MESH_SMOOTH] ? smooth : -1, place, reader->error);
     free(path);
     return status;
 }
 
 static int check_index(const reader *reader, const feeler_node *node, size_t triangle, double index, size_t vertices) {
     if (index != floor(index))
-        return fail_item(reader, node, triangle, "triangle %zu: the vertex index %.9g is not a whole number", triangle, index);
+        return fail_item(reader, node, triangle, "triangle %zu: the vertex index %.9g is not a whole number", triangle,
+                         index);
     if (index < 0 || index >= (double)vertices)
-        return fail_item(reader, node, triangle, "triangle %zu: the vertex index %.0f is out of range; the mesh has %zu vertices, from 0",
+        return fail_item(reader, node, triangle,
+                         "triangle %zu: the vertex index %.0f is out of range; the mesh has %zu vertices, from 0",
                          triangle, index, vertices);
     return 0;
 }
@@ -106,7 +109,8 @@ static int read_mesh_lists(reader *reader, const feeler_node *node, const feeler
     bool smooth = nodes[MESH_NORMALS] != NULL;
     for (int slot = MESH_VERTICES; slot <= MESH_TRIANGLES; slot++)
         if (!nodes[slot])
-            return fail_node(reader, node_value(node), "a mesh needs 'file', or 'vertices' and 'triangles'; '%s' is missing", needed[slot]);
+            return fail_node(reader, node_value(node),
+                             "a mesh needs 'file', or 'vertices' and 'triangles'; '%s' is missing", needed[slot]);
     if (read_vectors(reader, nodes[MESH_VERTICES], &mesh->vertices, &mesh->vertex_count) != 0 ||
         check_vertices(reader, node_value(nodes[MESH_VERTICES]), mesh) != 0 ||
         read_triangles(reader, nodes[MESH_TRIANGLES], mesh) != 0 ||

@@ -19,7 +19,8 @@ int read_material(reader *reader, const feeler_node *node, const char *name) {
             return fail_memory(reader);
         int status = name_add(&reader->materials, material->name, index);
         if (status != 0)
-            return status > 0 ? fail_key(reader, node, "the material '%.60s' is given twice", name) : fail_memory(reader);
+            return status > 0 ? fail_key(reader, node, "the material '%.60s' is given twice", name)
+                              : fail_memory(reader);
     }
     return schema_read(reader, node, material_keys, material, NULL);
 }
@@ -30,7 +31,8 @@ static int fail_material(const reader *reader, const feeler_node *node, const ch
     for (size_t i = 0; i < reader->materials.capacity; i++)
         if (reader->materials.slots[i].name)
             suggest_candidate(&nearest, reader->materials.slots[i].name);
-    return fail_node(reader, node_value(node), "unknown material '%s'%s", shown(name, text), suggest_text(&nearest, hint));
+    return fail_node(reader, node_value(node), "unknown material '%s'%s", shown(name, text),
+                     suggest_text(&nearest, hint));
 }
 
 /* A matte grey, made when the first object without a material asks for it. */
@@ -89,8 +91,9 @@ int read_light(reader *reader, const feeler_node *node) {
     if (light->specular.x == unset)
         light->specular = colour;
     if (!nodes[LIGHT_POINT] == !nodes[LIGHT_DIRECTIONAL])
-        return fail_node(reader, node_value(node), nodes[LIGHT_POINT] ? "a light is either 'point' or 'directional', not both"
-                                                                      : "a light needs 'point' or 'directional'");
+        return fail_node(reader, node_value(node),
+                         nodes[LIGHT_POINT] ? "a light is either 'point' or 'directional', not both"
+                                            : "a light needs 'point' or 'directional'");
     return read_light_place(reader, nodes, light);
 }
 
@@ -107,7 +110,8 @@ static int read_corners(reader *reader, const feeler_node *const *nodes, scene_o
     if (status == 0 && count != 3)
         status = fail_node(reader, node_value(nodes[CORNERS]), "a triangle has 3 corners, not %zu", count);
     if (status == 0 && normals && normal_count != 3)
-        status = fail_node(reader, node_value(nodes[CORNERS_NORMALS]), "a triangle has 3 normals, not %zu", normal_count);
+        status =
+            fail_node(reader, node_value(nodes[CORNERS_NORMALS]), "a triangle has 3 normals, not %zu", normal_count);
     for (size_t i = 0; status == 0 && i < 3; i++) {
         object->triangle.corners[i] = corners[i];
         if (!normals)
@@ -160,10 +164,12 @@ static int read_polygon(reader *reader, const feeler_node *node, scene_object *o
         read_vectors(reader, nodes[CORNERS], &object->polygon.corners, &object->polygon.count) != 0)
         return -1;
     if (object->polygon.count < 3)
-        return fail_node(reader, node_value(nodes[CORNERS]), "a polygon has at least 3 corners, not %zu", object->polygon.count);
+        return fail_node(reader, node_value(nodes[CORNERS]), "a polygon has at least 3 corners, not %zu",
+                         object->polygon.count);
     long off = corner_off_plane(object->polygon.corners, object->polygon.count);
     if (off >= 0)
-        return fail_item(reader, node_value(nodes[CORNERS]), (size_t)off, "the polygon is not flat: corner %ld is off its plane", off);
+        return fail_item(reader, node_value(nodes[CORNERS]), (size_t)off,
+                         "the polygon is not flat: corner %ld is off its plane", off);
     return 0;
 }
 
@@ -202,11 +208,14 @@ static int find_shape(const reader *reader, const feeler_node *node, const feele
     int found = -1;
     for (int slot = 0; slot < OBJECT_SHAPES; slot++) {
         if (nodes[slot] && found >= 0)
-            return fail_key(reader, nodes[slot], "an object has one shape, not both '%s' and '%s'", nodes[found]->key, nodes[slot]->key);
+            return fail_key(reader, nodes[slot], "an object has one shape, not both '%s' and '%s'", nodes[found]->key,
+                            nodes[slot]->key);
         found = nodes[slot] ? slot : found;
     }
-    return found >= 0 ? found : fail_node(reader, node_value(node), "an object needs a shape: sphere, plane, disc, box, triangle, "
-                                                                    "polygon, cylinder, cone or mesh");
+    return found >= 0 ? found
+                      : fail_node(reader, node_value(node),
+                                  "an object needs a shape: sphere, plane, disc, box, triangle, "
+                                  "polygon, cylinder, cone or mesh");
 }
 
 int read_object(reader *reader, const feeler_node *node) {
@@ -219,7 +228,9 @@ int read_object(reader *reader, const feeler_node *node) {
     if (slot < 0 || keep_place(reader, nodes[slot], &place) != 0)
         return -1;
     bool own = slot == OBJECT_MESH; /* a mesh file has materials of its own */
-    int material = nodes[OBJECT_MATERIAL] ? read_material_key(reader, nodes[OBJECT_MATERIAL]) : own ? -1 : read_default_material(reader);
+    int material = nodes[OBJECT_MATERIAL] ? read_material_key(reader, nodes[OBJECT_MATERIAL])
+                   : own                  ? -1
+                                          : read_default_material(reader);
     if (material < 0 && (nodes[OBJECT_MATERIAL] || !own))
         return -1;
     matrix matrix = matrix_identity();

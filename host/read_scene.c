@@ -19,10 +19,10 @@ typedef struct document {
     const struct document *includer;
     node_pool pool;
     const feeler_node *root;
-    const char *name;  /* as errors say it */
-    char *identity;    /* its real path; NULL for a tree without a file */
+    const char *name; /* as errors say it */
+    char *identity;   /* its real path; NULL for a tree without a file */
     char *directory;
-    bool ready;        /* everything that it includes has been read */
+    bool ready; /* everything that it includes has been read */
     const feeler_node *nodes[SCENE_SLOTS];
 } document;
 
@@ -74,8 +74,8 @@ static const document *find_document(const loader *loader, const char *identity)
 
 static int fail_open(const loader *loader, const feeler_node *node, const char *path) {
     char here[NODE_PATH_SIZE];
-    return fail_at(loader->reader.error, FEELER_IO, node_place(node, here), "the included file '%s' cannot be opened: %s", path,
-                   strerror(errno));
+    return fail_at(loader->reader.error, FEELER_IO, node_place(node, here),
+                   "the included file '%s' cannot be opened: %s", path, strerror(errno));
 }
 
 /* The document of a file, put into the list; its root is still to be read. Takes `identity`. */
@@ -146,7 +146,8 @@ static int check_included(const loader *loader, const feeler_node *root) {
         return 0;
     for (const feeler_node *child = root->children.first; child; child = child->next)
         if (schema_has(scene_keys, child->key) && !schema_has(included_keys, child->key))
-            return fail_key(&loader->reader, child, "'%s' cannot stand in an included file, only in the scene's own", child->key);
+            return fail_key(&loader->reader, child, "'%s' cannot stand in an included file, only in the scene's own",
+                            child->key);
     return 0;
 }
 
@@ -158,7 +159,8 @@ static int read_document(loader *loader, document *document) {
     if (!document->root || (document->includer && check_included(loader, document->root) != 0))
         return -1;
     const schema_key *keys = document->includer ? included_keys : scene_keys;
-    if (schema_read(reader, document->root, keys, reader->scene, document->nodes) != 0 || read_includes(loader, document) != 0)
+    if (schema_read(reader, document->root, keys, reader->scene, document->nodes) != 0 ||
+        read_includes(loader, document) != 0)
         return -1;
     document->ready = true;
     return 0;
@@ -208,7 +210,8 @@ static int read_materials(reader *reader, const feeler_node *node) {
     return 0;
 }
 
-static int read_list(reader *reader, const feeler_node *node, const char *of, int (*read)(struct reader *, const feeler_node *)) {
+static int read_list(reader *reader, const feeler_node *node, const char *of,
+                     int (*read)(struct reader *, const feeler_node *)) {
     node = node_value(node);
     if (node->kind != NODE_LIST)
         return fail_node(reader, node, "expected a list of %s, not %s", of, node_kind_name(node));
@@ -273,7 +276,8 @@ static char *with_slash(const char *directory) {
     size_t length = directory ? strlen(directory) : 0;
     char *path = malloc(length + 2);
     if (path)
-        snprintf(path, length + 2, "%s%s", directory ? directory : "", length > 0 && directory[length - 1] != '/' ? "/" : "");
+        snprintf(path, length + 2, "%s%s", directory ? directory : "",
+                 length > 0 && directory[length - 1] != '/' ? "/" : "");
     return path;
 }
 

@@ -59,7 +59,8 @@ static int read_step(const reader *reader, const feeler_node *node, matrix *step
     if (schema_read(reader, node, transform_keys, NULL, nodes) != 0)
         return -1;
     if (node_count(node_value(node)) != 1)
-        return fail_node(reader, node_value(node), "a step of a transform holds one key; write several as a list, the first applied first");
+        return fail_node(reader, node_value(node),
+                         "a step of a transform holds one key; write several as a list, the first applied first");
     vec3 offset = {0, 0, 0};
     for (int slot = 0; slot < TRANSFORM_SLOTS; slot++) {
         if (!nodes[slot])

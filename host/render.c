@@ -152,10 +152,8 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const feeler_settings *s = &j->settings;
     if (pack_scene(&j->packed, scene, s->level == FEELER_REFERENCE, s->brute_force, error) < 0)
         return -1;
-    j->features = s->general ? ((UINT32_C(1) << FEATURE_COUNT) - 1) : j->packed.features;
-    j->media = s->general ? 8 : j->packed.media;
-    if (s->general && s->brute_force)
-        j->features &= ~(UINT32_C(1) << FEATURE_TREE);
+    j->features = s->general ? general_features(j->packed.features) : j->packed.features;
+    j->media = s->general ? MOST_MEDIA : j->packed.media;
     const view view = pack_view(scene, s, j->packed.origin);
     if (choose_work_group(j->device, s, j->features, j->media, j->group, error) < 0)
         return -1;

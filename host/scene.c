@@ -60,7 +60,8 @@ scene_light *scene_add_light(feeler_scene *scene, feeler_error *error) {
 }
 
 scene_material *scene_add_material(feeler_scene *scene, feeler_error *error) {
-    scene_material *items = grow(scene->materials, scene->material_count, &scene->material_capacity, sizeof *items, error);
+    scene_material *items =
+        grow(scene->materials, scene->material_count, &scene->material_capacity, sizeof *items, error);
     if (!items)
         return NULL;
     scene->materials = items;
@@ -168,7 +169,8 @@ static feeler_scene *read_by_ending(const char *path, feeler_error *error) {
     const char *slash = strrchr(path, '/');
     const char *dot = strrchr(slash ? slash : path, '.');
     if (!dot || !dot[1]) {
-        fail_at(error, FEELER_BAD_INPUT, (place){path, 0, 0}, "has no ending that tells its format (.yaml, .nff, .obj, .ply, …)");
+        fail_at(error, FEELER_BAD_INPUT, (place){path, 0, 0},
+                "has no ending that tells its format (.yaml, .nff, .obj, .ply, …)");
         return NULL;
     }
     if (strcasecmp(dot, ".yaml") == 0 || strcasecmp(dot, ".yml") == 0)

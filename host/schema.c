@@ -17,7 +17,8 @@ static bool in_range(const schema_key *key, double value) {
 static void range_message(const schema_key *key, double value, char message[RANGE_SIZE]) {
     char low[64];
     if (key->flags & KEY_ABOVE_LOW)
-        snprintf(low, sizeof low, "more than %g and %s %g", key->low, key->flags & KEY_BELOW_HIGH ? "less than" : "at most", key->high);
+        snprintf(low, sizeof low, "more than %g and %s %g", key->low,
+                 key->flags & KEY_BELOW_HIGH ? "less than" : "at most", key->high);
     else
         snprintf(low, sizeof low, "%g to %g", key->low, key->high);
     snprintf(message, RANGE_SIZE, "is %.9g, but must be %s", value, low);
@@ -101,7 +102,8 @@ static int check_read(const reader *reader, const feeler_node *node, const schem
     return 0;
 }
 
-static int read_value(const reader *reader, const feeler_node *node, const schema_key *key, void *target, const feeler_node **nodes) {
+static int read_value(const reader *reader, const feeler_node *node, const schema_key *key, void *target,
+                      const feeler_node **nodes) {
     if (key->type == KEY_NODE) {
         nodes[key->offset] = node;
         return 0;
@@ -159,7 +161,8 @@ static int check_required(const reader *reader, const feeler_node *node, const s
     return 0;
 }
 
-int schema_read(const reader *reader, const feeler_node *node, const schema_key *keys, void *target, const feeler_node **nodes) {
+int schema_read(const reader *reader, const feeler_node *node, const schema_key *keys, void *target,
+                const feeler_node **nodes) {
     node = node_value(node);
     if (node->kind != NODE_MAP) {
         char known[300];

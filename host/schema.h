@@ -22,13 +22,17 @@ typedef enum key_type {
     KEY_NODE       /* anything: handed on as a node, in slot `offset` */
 } key_type;
 
-enum { KEY_REQUIRED = 1, KEY_ABOVE_LOW = 2, KEY_BELOW_HIGH = 4 }; /* the latter two: the range's end does not belong to it */
+enum {
+    KEY_REQUIRED = 1,
+    KEY_ABOVE_LOW = 2,
+    KEY_BELOW_HIGH = 4
+}; /* the latter two: the range's end does not belong to it */
 
 typedef struct schema_key {
     const char *name; /* NULL ends a table */
     key_type type;
     size_t offset;
-    double low, high; /* of each component */
+    double low, high;   /* of each component */
     double standard[3]; /* the default; a number's is the first */
     unsigned flags;
     const char *const *choices;
@@ -43,14 +47,32 @@ enum { IMAGE_SIZE, IMAGE_SLOTS };
 enum { LIGHT_POINT, LIGHT_DIRECTIONAL, LIGHT_COLOUR, LIGHT_SLOTS };
 /* The shapes first, so that a slot below OBJECT_SHAPES is a shape. */
 enum {
-    OBJECT_SPHERE, OBJECT_PLANE, OBJECT_DISC, OBJECT_BOX, OBJECT_TRIANGLE, OBJECT_POLYGON, OBJECT_CYLINDER, OBJECT_CONE,
-    OBJECT_MESH, OBJECT_SHAPES,
-    OBJECT_MATERIAL = OBJECT_SHAPES, OBJECT_TRANSFORM, OBJECT_SLOTS
+    OBJECT_SPHERE,
+    OBJECT_PLANE,
+    OBJECT_DISC,
+    OBJECT_BOX,
+    OBJECT_TRIANGLE,
+    OBJECT_POLYGON,
+    OBJECT_CYLINDER,
+    OBJECT_CONE,
+    OBJECT_MESH,
+    OBJECT_SHAPES,
+    OBJECT_MATERIAL = OBJECT_SHAPES,
+    OBJECT_TRANSFORM,
+    OBJECT_SLOTS
 };
 enum { CORNERS, CORNERS_NORMALS, CORNERS_SLOTS };
 enum { MESH_FILE, MESH_VERTICES, MESH_TRIANGLES, MESH_NORMALS, MESH_SMOOTH, MESH_SLOTS };
-enum { TRANSFORM_TRANSLATE, TRANSFORM_ROTATE, TRANSFORM_ROTATE_X, TRANSFORM_ROTATE_Y, TRANSFORM_ROTATE_Z, TRANSFORM_SCALE,
-       TRANSFORM_MATRIX, TRANSFORM_SLOTS };
+enum {
+    TRANSFORM_TRANSLATE,
+    TRANSFORM_ROTATE,
+    TRANSFORM_ROTATE_X,
+    TRANSFORM_ROTATE_Y,
+    TRANSFORM_ROTATE_Z,
+    TRANSFORM_SCALE,
+    TRANSFORM_MATRIX,
+    TRANSFORM_SLOTS
+};
 
 typedef struct rotation {
     vec3 axis;
@@ -58,14 +80,17 @@ typedef struct rotation {
 } rotation;
 
 /* A cylinder's radius goes to both radii when it has been read. */
-extern const schema_key scene_keys[], included_keys[], camera_keys[], image_keys[], light_keys[], material_keys[], object_keys[],
-    sphere_keys[], plane_keys[], disc_keys[], box_keys[], triangle_keys[], polygon_keys[], cylinder_keys[], cone_keys[], mesh_keys[],
-    transform_keys[], rotation_keys[];
+extern const schema_key scene_keys[], included_keys[], camera_keys[], image_keys[], light_keys[], material_keys[],
+    object_keys[], sphere_keys[], plane_keys[], disc_keys[], box_keys[], triangle_keys[], polygon_keys[],
+    cylinder_keys[], cone_keys[], mesh_keys[], transform_keys[], rotation_keys[];
 extern const schema_key light_colour_key;
 
 /* Names of materials, for look-up. */
 typedef struct name_table {
-    struct name_slot { const char *name; int index; } *slots;
+    struct name_slot {
+        const char *name;
+        int index;
+    } * slots;
     size_t count, capacity;
 } name_table;
 
@@ -73,9 +98,9 @@ typedef struct name_table {
 typedef struct reader {
     feeler_scene *scene;
     feeler_error *error;
-    const char *directory;  /* of the file being read, "" or with a slash at its end */
+    const char *directory; /* of the file being read, "" or with a slash at its end */
     name_table materials;
-    int default_material;   /* index, or -1 while there is none */
+    int default_material; /* index, or -1 while there is none */
 } reader;
 
 /* ---- schema.c: tables against nodes ---- */
@@ -83,7 +108,8 @@ typedef struct reader {
 /* Sets every row's target, but KEY_NODE's, to its default. */
 void schema_set_defaults(const schema_key *keys, void *target);
 /* Reads a map by its table into `target`; KEY_NODE values go to `nodes`, which has a slot for each and starts zeroed. */
-int schema_read(const reader *reader, const feeler_node *node, const schema_key *keys, void *target, const feeler_node **nodes);
+int schema_read(const reader *reader, const feeler_node *node, const schema_key *keys, void *target,
+                const feeler_node **nodes);
 bool schema_has(const schema_key *keys, const char *name);
 /* Reads the value of one key that schema_read handed on as a node. */
 int schema_read_one(const reader *reader, const feeler_node *node, const schema_key *key, void *target);
@@ -105,10 +131,12 @@ int read_colour(const reader *reader, const feeler_node *node, vec3 *value);
 /* A list of vectors, or an N x 3 array: newly allocated, also when N is 0. `what` names it in the plural. */
 int read_vectors(const reader *reader, const feeler_node *node, vec3 **values, size_t *count);
 /* At the node (or at its item, where the node is a list or array), or at its key. */
-int fail_node(const reader *reader, const feeler_node *node, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int fail_node(const reader *reader, const feeler_node *node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 int fail_item(const reader *reader, const feeler_node *node, size_t item, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-int fail_key(const reader *reader, const feeler_node *node, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int fail_key(const reader *reader, const feeler_node *node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 int fail_memory(const reader *reader);
 /* The place to keep with what is read from a node: outlives the tree. -1 when out of memory. */
 int keep_place(const reader *reader, const feeler_node *node, place *kept);

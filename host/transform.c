@@ -31,10 +31,22 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
     rest = (rest - 90.0 * quarter) * radians_per_degree;
     double s = sin(rest), c = cos(rest);
     switch (quarter & 3) {
-    case 0: *sine = s; *cosine = c; break;
-    case 1: *sine = c; *cosine = -s; break;
-    case 2: *sine = -s; *cosine = -c; break;
-    default: *sine = -c; *cosine = s; break;
+    case 0:
+        *sine = s;
+        *cosine = c;
+        break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    default:
+        *sine = -c;
+        *cosine = s;
+        break;
     }
 }
 

@@ -31,8 +31,9 @@ static int validate_image(const feeler_scene *scene, feeler_error *error) {
     place nowhere = {scene->source_count ? scene->sources[0] : NULL, 0, 0};
     if (scene->width < 1 || scene->height < 1 || scene->width > MAX_SIDE || scene->height > MAX_SIDE ||
         (double)scene->width * scene->height > MAX_PIXELS)
-        return fail_at(error, FEELER_BAD_INPUT, nowhere, "the image's size %d x %d is not within 1 to %d a side and %d pixels",
-                       scene->width, scene->height, MAX_SIDE, MAX_PIXELS);
+        return fail_at(error, FEELER_BAD_INPUT, nowhere,
+                       "the image's size %d x %d is not within 1 to %d a side and %d pixels", scene->width,
+                       scene->height, MAX_SIDE, MAX_PIXELS);
     if (schema_check(image_keys, scene, nowhere, "the image", error) != 0)
         return -1;
     return schema_check(scene_keys, scene, nowhere, "the scene", error);
@@ -59,7 +60,8 @@ static int validate_material(const scene_material *material, feeler_error *error
 static int check_points(const scene_object *object, const vec3 *points, size_t count, feeler_error *error) {
     for (size_t i = 0; i < count; i++)
         if (!vec_finite(points[i]) || vec_extent(points[i]) > MAX_COORDINATE)
-            return fail_at(error, FEELER_BAD_INPUT, object->place, "the object reaches farther out than %g", MAX_COORDINATE);
+            return fail_at(error, FEELER_BAD_INPUT, object->place, "the object reaches farther out than %g",
+                           MAX_COORDINATE);
     return 0;
 }
 
@@ -84,7 +86,8 @@ static int validate_box(const scene_object *object, feeler_error *error) {
 
 static int validate_cone(const scene_object *object, feeler_error *error) {
     double base = object->cone.base_radius, top = object->cone.top_radius;
-    if (check_points(object, &object->cone.base, 1, error) != 0 || check_points(object, &object->cone.top, 1, error) != 0)
+    if (check_points(object, &object->cone.base, 1, error) != 0 ||
+        check_points(object, &object->cone.top, 1, error) != 0)
         return -1;
     if (!(base >= 0 && top >= 0))
         return bad(object, error, "the radius must not be negative");
@@ -119,8 +122,8 @@ static int validate_mesh(scene_object *object, feeler_error *error) {
     for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
         if (mesh->indices[i] >= mesh->vertex_count)
             return fail_at(error, FEELER_BAD_INPUT, object->place,
-                           "triangle %zu: the vertex index %u is out of range; the mesh has %zu vertices, from 0", i / 3,
-                           (unsigned)mesh->indices[i], mesh->vertex_count);
+                           "triangle %zu: the vertex index %u is out of range; the mesh has %zu vertices, from 0",
+                           i / 3, (unsigned)mesh->indices[i], mesh->vertex_count);
     if (!mesh->normals)
         return 0;
     if (mesh_complete_normals(mesh, error) != 0)
@@ -133,11 +136,16 @@ static int validate_mesh(scene_object *object, feeler_error *error) {
 static int validate_shape(scene_object *object, feeler_error *error) {
     switch (object->shape) {
     case SHAPE_SPHERE:
-        return check_radius(object, object->sphere.radius, error) != 0 ? -1 : check_points(object, &object->sphere.centre, 1, error);
+        return check_radius(object, object->sphere.radius, error) != 0
+                   ? -1
+                   : check_points(object, &object->sphere.centre, 1, error);
     case SHAPE_PLANE:
-        return check_normal(object, &object->plane.normal, error) != 0 ? -1 : check_points(object, &object->plane.point, 1, error);
+        return check_normal(object, &object->plane.normal, error) != 0
+                   ? -1
+                   : check_points(object, &object->plane.point, 1, error);
     case SHAPE_DISC:
-        return check_radius(object, object->disc.radius, error) != 0 || check_normal(object, &object->disc.normal, error) != 0
+        return check_radius(object, object->disc.radius, error) != 0 ||
+                       check_normal(object, &object->disc.normal, error) != 0
                    ? -1
                    : check_points(object, &object->disc.centre, 1, error);
     case SHAPE_BOX:
@@ -205,8 +213,8 @@ static int drop_all_degenerate(feeler_scene *scene, feeler_error *error) {
     scene->dropped_triangles += dropped;
     if (dropped == 0)
         return 0;
-    return scene_warn(scene, error, "%zu degenerate %s left out: %s no area", dropped, dropped == 1 ? "triangle" : "triangles",
-                      dropped == 1 ? "it has" : "they have");
+    return scene_warn(scene, error, "%zu degenerate %s left out: %s no area", dropped,
+                      dropped == 1 ? "triangle" : "triangles", dropped == 1 ? "it has" : "they have");
 }
 
 int scene_validate(feeler_scene *scene, feeler_error *error) {

@@ -66,7 +66,8 @@ int keep_place(const reader *reader, const feeler_node *node, place *kept) {
 static int fail_type(const reader *reader, const feeler_node *node, const char *wanted) {
     char text[SHOWN_SIZE];
     if (node->kind == NODE_TEXT && node->text[0])
-        return fail_node(reader, node, "expected %s, not %s'%s'", wanted, node->quoted ? "the text " : "", shown(node->text, text));
+        return fail_node(reader, node, "expected %s, not %s'%s'", wanted, node->quoted ? "the text " : "",
+                         shown(node->text, text));
     return fail_node(reader, node, "expected %s, not %s", wanted, node_kind_name(node));
 }
 
@@ -145,7 +146,8 @@ int read_choice(const reader *reader, const feeler_node *node, const char *const
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", choices[i]);
     }
-    return fail_node(reader, node_value(node), "'%s' is none of %s%s", shown(text, name), known, suggest_text(&nearest, hint));
+    return fail_node(reader, node_value(node), "'%s' is none of %s%s", shown(text, name), known,
+                     suggest_text(&nearest, hint));
 }
 
 int read_numbers(const reader *reader, const feeler_node *node, size_t count, double *values) {

@@ -6,19 +6,31 @@
 
 #include <math.h>
 
-static inline vec3 vec_add(vec3 a, vec3 b) { return (vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
-static inline vec3 vec_subtract(vec3 a, vec3 b) { return (vec3){a.x - b.x, a.y - b.y, a.z - b.z}; }
-static inline vec3 vec_scale(vec3 a, double s) { return (vec3){a.x * s, a.y * s, a.z * s}; }
-static inline double vec_dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline vec3 vec_add(vec3 a, vec3 b) {
+    return (vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline vec3 vec_subtract(vec3 a, vec3 b) {
+    return (vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline vec3 vec_scale(vec3 a, double s) {
+    return (vec3){a.x * s, a.y * s, a.z * s};
+}
+static inline double vec_dot(vec3 a, vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 static inline vec3 vec_cross(vec3 a, vec3 b) {
     return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /* The greatest of |x|, |y|, |z|; not meaningful for NaN. */
-static inline double vec_extent(vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
+static inline double vec_extent(vec3 a) {
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
 
-static inline bool vec_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+static inline bool vec_finite(vec3 a) {
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
 
 /* Scaled by the power of two that brings its extent into [0.5, 1): products of it neither overflow nor vanish, and a
  * scene that is scaled by a power of two keeps every bit. Zero stays zero. */

@@ -8,9 +8,10 @@
 #include <yaml.h>
 
 enum {
-    MAX_DEPTH = 64,          /* a scene needs 7 */
+    MAX_DEPTH = 64, /* a scene needs 7 */
     MAX_ANCHORS = 1000,
-    MAX_EXPANSION = 10000000 /* nodes that aliases may stand for in all, so that a short file cannot mean a huge scene */
+    MAX_EXPANSION =
+        10000000 /* nodes that aliases may stand for in all, so that a short file cannot mean a huge scene */
 };
 
 typedef struct anchor {
@@ -102,7 +103,9 @@ static bool awaits_key(const builder *b) {
 }
 
 static int check_tag(const builder *b, const yaml_char_t *tag, yaml_mark_t mark) {
-    return tag ? fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, mark), "tags such as '%.60s' are not supported", (const char *)tag) : 0;
+    return tag ? fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, mark), "tags such as '%.60s' are not supported",
+                         (const char *)tag)
+               : 0;
 }
 
 static int take_key(builder *b, const yaml_event_t *event) {
@@ -147,7 +150,8 @@ static int open_level(builder *b, const yaml_event_t *event, node_kind kind) {
     if (awaits_key(b))
         return fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, event->start_mark), "a key must be a text");
     if (b->depth == MAX_DEPTH)
-        return fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, event->start_mark), "nested deeper than %d levels", MAX_DEPTH);
+        return fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, event->start_mark), "nested deeper than %d levels",
+                       MAX_DEPTH);
     size_t weight_before = b->weight;
     feeler_node *node = new_node(b, kind, event->start_mark);
     if (!node)
@@ -175,7 +179,8 @@ static int take_alias(builder *b, const yaml_event_t *event) {
     while (found && strcmp(found->name, name) != 0)
         found = found->older;
     if (!found)
-        return fail_at(b->error, FEELER_BAD_INPUT, here, "unknown alias '*%.60s': no anchor '&%.60s' ends before it", name, name);
+        return fail_at(b->error, FEELER_BAD_INPUT, here, "unknown alias '*%.60s': no anchor '&%.60s' ends before it",
+                       name, name);
     b->weight += found->weight;
     b->expanded += found->weight;
     if (b->expanded > MAX_EXPANSION)
@@ -191,7 +196,8 @@ static int take_alias(builder *b, const yaml_event_t *event) {
 static int take_event(builder *b, const yaml_event_t *event) {
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
-        return b->root ? fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, event->start_mark), "a second document begins; a scene is one")
+        return b->root ? fail_at(b->error, FEELER_BAD_INPUT, mark_place(b, event->start_mark),
+                                 "a second document begins; a scene is one")
                        : 0;
     case YAML_SCALAR_EVENT:
         return take_scalar(b, event);
@@ -251,7 +257,9 @@ static int read_events(builder *b, yaml_parser_t *parser, const char *text, size
         if (status != 0)
             return -1;
     }
-    return b->root ? 0 : fail_at(b->error, FEELER_BAD_INPUT, (place){b->source, 0, 0}, "is empty; the smallest scene is '{}'");
+    return b->root
+               ? 0
+               : fail_at(b->error, FEELER_BAD_INPUT, (place){b->source, 0, 0}, "is empty; the smallest scene is '{}'");
 }
 
 /* A binary file is told as such: what a YAML parser finds wrong in it would mislead. */
@@ -259,7 +267,8 @@ static int check_text(const char *source, const char *text, size_t size, feeler_
     for (size_t i = 0; i < size; i++) {
         unsigned char c = (unsigned char)text[i];
         if ((c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F)
-            return fail_at(error, FEELER_BAD_INPUT, byte_place(source, text, i), "not a text file: it holds the byte 0x%02X", c);
+            return fail_at(error, FEELER_BAD_INPUT, byte_place(source, text, i),
+                           "not a text file: it holds the byte 0x%02X", c);
     }
     return 0;
 }

@@ -97,3 +97,20 @@ boundary cross_boundary(const scene *s, media in, ints material, ints entering) 
     b.eta = full ? index_of(s, here) / index_of(s, material) : b.eta;
     return b;
 }
+
+// An opaque surface bounds no medium: it is seen from the one that counts, and nothing changes behind it.
+boundary meet_opaque(const scene *s, media in, ints material, ints entering) {
+    const reals around = index_of(s, dominant(s, in)), own = index_of(s, material);
+    boundary b;
+    b.eta = entering ? around / own : own / around;
+    b.behind = in;
+    b.visible = mask(true);
+    return b;
+}
+
+boundary choose_boundary(ints m, boundary a, boundary b) {
+    a.eta = m ? a.eta : b.eta;
+    a.visible = m ? a.visible : b.visible;
+    a.behind = choose_media(m, a.behind, b.behind);
+    return a;
+}

@@ -2,7 +2,7 @@
 // on v's side.
 
 // A direction turned, if need be, to leave a surface on the side of the geometric normal n: interpolated normals may send
-// it below.
+// it below, and so may rounding at a grazing angle.
 vectors keep_above(vectors direction, vectors n) {
     const reals height = dot3(direction, n);
     const vectors lifted = normalise(along(direction, n, R(0x1p-10) - height));

@@ -19,13 +19,16 @@ typedef struct {
     uint deepest;
 } tree_sum;
 
+// Whether anything asks for the direction of transmission.
+#define BENDS (HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION || HAS_FRESNEL)
+
 // What a packet meets: hits, surfaces, and for transmission the boundary.
 typedef struct {
     hit h;
     identity id;
     surface f;
     ints entering;
-#if HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
+#if BENDS
     boundary b;
 #endif
 } encounter;
@@ -46,23 +49,16 @@ encounter meet(const scene *s, packet p, ints active) {
 #if HAS_TRANSMISSION
     const ints medium = transmits(s, e.id.material);
     e.b = cross_boundary(s, p.in, e.id.material, e.entering);
-    e.b.behind = choose_media(medium, e.b.behind, p.in);
-    e.b.visible |= !medium | !found;
-#elif HAS_SPECULAR_TRANSMISSION
-    const reals ior = index_of(s, e.id.material);
-    e.b.eta = e.entering ? splat(1) / ior : ior;
+    e.b = choose_boundary(medium, e.b, meet_opaque(s, p.in, e.id.material, e.entering));
+    e.b.visible |= !found;
+#elif BENDS
+    const reals index = index_of(s, e.id.material);
+    e.b.eta = e.entering ? splat(1) / index : index;
 #endif
     return e;
 }
 
 #if HAS_TRANSMISSION
-boundary choose_boundary(ints m, boundary a, boundary b) {
-    a.eta = m ? a.eta : b.eta;
-    a.visible = m ? a.visible : b.visible;
-    a.behind = choose_media(m, a.behind, b.behind);
-    return a;
-}
-
 encounter choose_encounter(ints m, encounter a, encounter b) {
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
     a.id.material = m ? a.id.material : b.id.material;
@@ -100,15 +96,11 @@ shade_point make_shade_point(packet p, encounter e) {
     const vectors turned = choose(e.entering, e.f.shading, negate(e.f.shading));
     const reals height = dot3(turned, q.v);
     q.shading = choose(height > splat(0), turned, normalise(along(turned, q.v, R(0x1p-10) - height)));
+#endif
     q.r = keep_above(reflect(q.v, q.shading), q.normal);
-#else
-    q.r = reflect(q.v, q.shading);
-#endif
-#if HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
+#if BENDS
     q.t = refract(q.v, q.shading, e.b.eta);
-#if HAS_SMOOTH
     q.t.direction = keep_above(q.t.direction, negate(q.normal));
-#endif
 #else
     q.t.found = mask(false);
     q.t.direction = q.v;
@@ -129,7 +121,10 @@ shares find_shares(const scene *s, shade_point q, encounter e) {
 #if HAS_TRANSMISSION
     const vectors passes = GATHER(s->materials, material, transmission).xyz;
     w.transmission = where(q.t.found, passes);
+#endif
+#if HAS_FRESNEL || HAS_TOTAL_REFLECTION
     const quads optics = GATHER(s->materials, material, optics);
+#endif
 #if HAS_FRESNEL
     const reals cos_v = dot3(q.v, q.shading), cos_t = -dot3(q.t.direction, q.shading);
     const ints weighted = q.t.found & (optics.w != splat(0));
@@ -137,10 +132,9 @@ shares find_shares(const scene *s, shade_point q, encounter e) {
     w.reflection = choose(weighted, scale(w.reflection, reflected), w.reflection);
     w.transmission = choose(weighted, scale(w.transmission, splat(1) - reflected), w.transmission);
 #endif
-#if HAS_TOTAL_REFLECTION
+#if HAS_TRANSMISSION && HAS_TOTAL_REFLECTION
     const ints carries = !q.t.found & (optics.xyz.z != splat(0));
     w.reflection = choose(carries, add(w.reflection, passes), w.reflection);
-#endif
 #endif
     return w;
 }

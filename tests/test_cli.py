@@ -343,7 +343,7 @@ def test_interruption(program: Path, tmp_path: Path, scene: Path, number: signal
     process.send_signal(number)
     start = time.monotonic()
     _, stderr = process.communicate(timeout=60)
-    assert process.returncode == 130
+    assert process.returncode == 130, stderr
     assert time.monotonic() - start < 5
     assert "interrupted" in stderr
     assert "a.partial.exr" in stderr
@@ -367,5 +367,5 @@ def test_interruption_stops_the_scenes_that_follow(program: Path, tmp_path: Path
     time.sleep(3)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
-    assert process.returncode == 130
+    assert process.returncode == 130, stderr
     assert sorted(p.name for p in tmp_path.iterdir()) == ["second.nff", "spheres.nff", "spheres.partial.png"]
