@@ -1,19 +1,16 @@
-"""The program as its users meet it: help, exit codes, names, files, devices, interruption."""
+"""The program as its users meet it: help, exit codes, names, files, devices."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
-import signal
 import stat
 import subprocess
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
-from exr import read_exr
 from spheres import write_spheres
 
 COMMANDS = ["render", "info", "devices", "doctor"]
@@ -180,7 +177,7 @@ def test_folder_is_read_only(cli: Any, tmp_path: Path, scene: Path) -> None:
 def test_a_full_disk_leaves_nothing_behind(program: Path, tmp_path: Path, scene: Path) -> None:
     (tmp_path / "a.exr").write_text("old")
     # Files may not grow beyond 2 MiB: enough for a kernel, not for this picture.
-    command = [
+    command: list[str | Path] = [
         "bash",
         "-c",
         "ulimit -f 2048; trap '' XFSZ; exec \"$@\"",
@@ -321,51 +318,3 @@ def test_full_standard_output_is_a_failure(cli: Any) -> None:
         result = cli("devices", capture_output=False, stdout=full, stderr=subprocess.PIPE)
     assert result.returncode == 1
     assert "standard output" in result.stderr
-
-
-# ---- interruption ----
-
-
-def start_long_render(program: Path, folder: Path, scene: Path) -> subprocess.Popen[str]:
-    options = ["--size", "2048x2048", "--samples", "4096", "--stats", "a.json"]
-    process = subprocess.Popen(
-        [program, "render", scene, "-o", "a.exr", *options], cwd=folder, stderr=subprocess.PIPE, text=True
-    )
-    time.sleep(4)
-    assert process.poll() is None, "the render ended before it could be interrupted"
-    return process
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_interruption(program: Path, tmp_path: Path, scene: Path, number: signal.Signals) -> None:
-    (tmp_path / "a.exr").write_text("old")
-    process = start_long_render(program, tmp_path, scene)
-    process.send_signal(number)
-    start = time.monotonic()
-    _, stderr = process.communicate(timeout=60)
-    assert process.returncode == 130, stderr
-    assert time.monotonic() - start < 5
-    assert "interrupted" in stderr
-    assert "a.partial.exr" in stderr
-    assert (tmp_path / "a.exr").read_text() == "old"
-    assert not (tmp_path / "a.json").exists()
-    pixels, header = read_exr(tmp_path / "a.partial.exr")
-    assert pixels.shape == (2048, 2048, 3)
-    assert "interrupted" in header["feeler:interrupted"]
-    assert json.loads((tmp_path / "a.partial.json").read_text())["size"] == [2048, 2048]
-    assert not leftovers(tmp_path)
-
-
-def test_interruption_stops_the_scenes_that_follow(program: Path, tmp_path: Path, scene: Path) -> None:
-    write_spheres(tmp_path / "second.nff")
-    process = subprocess.Popen(
-        [program, "render", scene, "second.nff", "-o", "{name}.png", "--size", "2048x2048", "--samples", "4096", "-q"],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    time.sleep(3)
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=60)
-    assert process.returncode == 130, stderr
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["second.nff", "spheres.nff", "spheres.partial.png"]
