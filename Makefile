@@ -159,7 +159,6 @@ $(BUILD)/libfeeler.so: override LDFLAGS += -Wl,--version-script=host/feeler.map
 check-exports: all
 	@! nm -D --defined-only $(BUILD)/libfeeler.so | grep -v ' feeler_' || { echo 'these must not leave the library'; exit 1; }
 
-# Both run the program over every scene and every bad input: see tests/over_everything.
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 .PHONY: sanitize valgrind oclgrind
 sanitize: deps ## the program over all scenes and bad inputs, with ASan and UBSan
@@ -167,9 +166,8 @@ sanitize: deps ## the program over all scenes and bad inputs, with ASan and UBSa
 	LSAN_OPTIONS=suppressions=tests/leaks.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
 	  tests/over_everything $(BUILD)/sanitize/feeler
 
-valgrind: deps-lint all ## the program over all scenes and bad inputs, under valgrind
-	tests/over_everything valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite \
-	  --suppressions=tests/valgrind.supp $(BUILD)/feeler
+valgrind: deps-lint all ## the readers over all scenes and some bad inputs, under valgrind
+	tests/under_valgrind $(BUILD)/feeler
 
 oclgrind: deps-lint all ## the kernels on a tiny picture of every scene, under oclgrind
 	tests/under_oclgrind $(BUILD)/feeler
