@@ -21,8 +21,9 @@ static const array empty_arrays[ARRAY_COUNT] = {
     [ARRAY_CORNERS] = {.name = "corners", .element = sizeof(real4), .is_real = true},
     [ARRAY_CONES] = {.name = "cones", .element = sizeof(cone), .is_real = true},
     [ARRAY_NODES] = {.name = "nodes", .element = sizeof(node), .is_real = true},
-    [ARRAY_LINKS] = {.name = "links", .element = sizeof(uint4)},
-    [ARRAY_ORDER] = {.name = "order", .element = sizeof(uint32_t)},
+    [ARRAY_LINKS] = {.name = "links", .element = 2 * sizeof(uint32_t)},
+    [ARRAY_BLOCKS] = {.name = "blocks", .element = WIDTH * sizeof(real), .is_real = true},
+    [ARRAY_BLOCK_NUMBERS] = {.name = "block_numbers", .element = sizeof(uint32_t)},
     [ARRAY_MATERIALS] = {.name = "materials", .element = sizeof(material), .is_real = true},
     [ARRAY_LIGHTS] = {.name = "lights", .element = sizeof(light), .is_real = true},
 };

@@ -26,7 +26,8 @@ typedef enum packed_array {
     ARRAY_CONES,
     ARRAY_NODES,
     ARRAY_LINKS,
-    ARRAY_ORDER,
+    ARRAY_BLOCKS,
+    ARRAY_BLOCK_NUMBERS,
     ARRAY_MATERIALS,
     ARRAY_LIGHTS,
     ARRAY_COUNT
@@ -66,7 +67,8 @@ typedef struct packed {
     vec3 origin;       /* of the packed coordinates, in the scene's */
     uint32_t features; /* bit i: feature i */
     int media;         /* length of a ray's list of media */
-    size_t bounded;    /* primitives in the tree; the unbounded ones come after them in `order` */
+    size_t bounded;    /* primitives in blocks; the others are planes, whose numbers come after the blocks' */
+    size_t blocks;
     double tree_seconds;
 } packed;
 
@@ -90,7 +92,7 @@ vec3 scene_origin(const feeler_scene *scene);
 /* The box of the primitive with this number, as the device computes it. */
 bounds primitive_bounds(const packed *packed, size_t number);
 
-/* Builds the tree over the bounded primitives and fills nodes, links and order. */
+/* Puts the bounded primitives into blocks, and a tree over them: fills nodes, links, blocks and block numbers. */
 int build_tree(packed *packed, bool brute_force, feeler_error *error);
 
 /* The view of a scene for a picture of width x height pixels, as `real` of the packed kind. */

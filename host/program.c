@@ -45,7 +45,7 @@ char *program_options(const feeler_settings *s, uint32_t features, int media, fe
         return NULL;
     }
     used =
-        (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DSTACK=%d -DMEDIA=%d", s->lanes, stack_size(s), media);
+        (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DSTACK=%d -DMEDIA=%d", s->lanes, s->samples > 1 ? s->lanes : 1, stack_size(s), media);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)

@@ -46,12 +46,16 @@ place place_sample(uint x, uint y, uint sample, uint samples, real jitter) {
 // The directions of the eye rays (16.5, 16.6) of samples first, first + 1, ... of a pixel.
 vectors eye_directions(const view *camera, uint x, uint y, uint first, uint4 frame) {
     reals across, down;
-    for (int lane = 0; lane < LANES; lane++) {
+    for (int lane = 0; lane < RAYS; lane++) {
         const uint sample = min(first + lane, frame.z - 1);
         const place p = place_sample(x, y, sample, frame.z, camera->limits.y);
         REAL_LANE(across, lane) = R((int)(2 * x) - (int)frame.x) + 2 * p.x;
         REAL_LANE(down, lane) = R((int)frame.y - (int)(2 * y)) - 2 * p.y;
     }
+#if RAYS == 1
+    across = splat(REAL_LANE(across, 0));
+    down = splat(REAL_LANE(down, 0));
+#endif
     const vectors d = along(splat_xyz(camera->forward), splat_xyz(camera->right), across);
     return normalise(along(d, splat_xyz(camera->up), down));
 }

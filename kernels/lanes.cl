@@ -8,6 +8,12 @@
 #define LANES 1
 #endif
 
+// Rays held by the lanes: as many as there are lanes (the samples of a pixel, one primitive at a time against all), or 1: every
+// lane holds the same ray, which meets as many boxes or primitives at a time as there are lanes.
+#ifndef RAYS
+#define RAYS LANES
+#endif
+
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
@@ -70,9 +76,33 @@ bool any_lane(ints m) {
     return bits != 0;
 }
 
-uint count_lanes(ints m) {
+// The same where all lanes of one ray are alike.
+bool any_ray(ints m) {
+#if RAYS == 1
+    return INT_LANE(m, 0) != 0;
+#else
+    return any_lane(m);
+#endif
+}
+
+// The least of the lanes, and the greatest of the rays.
+real least_lane(reals a) {
+    real least = REAL_LANE(a, 0);
+    for (int lane = 1; lane < LANES; lane++)
+        least = min(least, REAL_LANE(a, lane));
+    return least;
+}
+
+real greatest_ray(reals a) {
+    real greatest = REAL_LANE(a, 0);
+    for (int lane = 1; lane < RAYS; lane++)
+        greatest = max(greatest, REAL_LANE(a, lane));
+    return greatest;
+}
+
+uint count_rays(ints m) {
     uint count = 0;
-    for (int lane = 0; lane < LANES; lane++)
+    for (int lane = 0; lane < RAYS; lane++)
         count += INT_LANE(m, lane) != 0;
     return count;
 }
@@ -145,6 +175,14 @@ reals largest(vectors a) {
     return max(max(a.x, a.y), a.z);
 }
 
+vectors least_xyz(vectors a, vectors b) {
+    return make_vectors(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
+}
+
+vectors greatest_xyz(vectors a, vectors b) {
+    return make_vectors(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z));
+}
+
 vectors choose(ints m, vectors a, vectors b) {
     return make_vectors(m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z);
 }
@@ -162,9 +200,14 @@ vectors normalise(vectors a) {
     return scale(a, splat(1) / sqrt(dot3(a, a)));
 }
 
-// The real4 at index, and every `stride` reals from `first` on, for each lane.
+// The real4 at index, and every `stride` reals from `first` on, for each ray.
 quads gather(global const real *first, ints index, int stride) {
     quads q;
+#if RAYS == 1
+    const real4 v = *(global const real4 *)(first + INT_LANE(index, 0) * stride);
+    q.xyz = splat_xyz(v);
+    q.w = splat(v.w);
+#else
     for (int lane = 0; lane < LANES; lane++) {
         const real4 v = *(global const real4 *)(first + INT_LANE(index, lane) * stride);
         REAL_LANE(q.xyz.x, lane) = v.x;
@@ -172,6 +215,7 @@ quads gather(global const real *first, ints index, int stride) {
         REAL_LANE(q.xyz.z, lane) = v.z;
         REAL_LANE(q.w, lane) = v.w;
     }
+#endif
     return q;
 }
 

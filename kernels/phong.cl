@@ -44,7 +44,7 @@ typedef struct {
 // Extension: what a feeler crosses lets its rho_tg through, once per surface, nearest first.
 vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active) {
     vectors share = where(active, splat_xyz((real4)(1)));
-    while (any_lane(active)) {
+    while (any_ray(active)) {
         const ray r = make_ray(origin, direction);
         const hit h = traverse(s, r, active, limit, false);
         active &= h.primitive >= 0;
@@ -67,7 +67,7 @@ visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints
     v.sent = active;
     v.share = where(active, splat_xyz((real4)(1)));
 #if HAS_SHADOWS
-    if (!any_lane(active))
+    if (!any_ray(active))
         return v;
     const vectors origin = spawn(p.point, p.error, choose(front, p.normal, negate(p.normal)));
     const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), origin) : splat_xyz(l.position);
@@ -121,10 +121,10 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
     sends = is_positive(diffuse) | shines;
     const visibility v = send_feelers(s, p, l, front, sends);
     illumination i;
-    i.feelers = HAS_SHADOWS ? count_lanes(v.sent) : 0;
+    i.feelers = HAS_SHADOWS ? count_rays(v.sent) : 0;
     vectors sum = scale(diffuse, fabs(cosine));
 #if HAS_SPECULAR || HAS_SPECULAR_TRANSMISSION
-    if (any_lane(shines & is_positive(v.share))) {
+    if (any_ray(shines & is_positive(v.share))) {
         const reals highlight = power(min(shines ? shine : splat(0), splat(1)), c.shininess);
         sum = add(sum, scale(specular, shines ? highlight : splat(0)));
     }

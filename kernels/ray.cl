@@ -82,8 +82,8 @@ interval intersect_bounds(ray r, vectors low, vectors high) {
 
 // A crossing's distance clamped to the ray's interval in the primitive's box; none where that is empty. What is not ahead
 // (or not a number) stays out: clamping must not bring it back.
-crossing clamp_crossing(ray r, bounds box, crossing c) {
-    const interval i = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
+crossing clamp_crossing(ray r, vectors low, vectors high, crossing c) {
+    const interval i = intersect_bounds(r, low, high);
     c.found &= (c.distance > splat(0)) & (i.near <= i.far);
     c.distance = min(max(c.distance, i.near), i.far);
     return c;
@@ -103,8 +103,7 @@ crossing first_ahead(ints found, reals enter, reals leave, uint flags) {
 }
 
 // The nearer of two; equal distances go to the lower primitive number.
-hit nearer(hit best, ints active, crossing c, uint primitive) {
-    const ints number = whole(primitive);
+hit nearer(hit best, ints active, crossing c, ints number) {
     const ints better = active & c.found & (c.distance > splat(0)) &
                         ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
     best.distance = better ? c.distance : best.distance;

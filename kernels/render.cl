@@ -5,13 +5,13 @@
         global const disc *discs, global const box *boxes, global const uint4 *triangles,                              \
         global const real4 *vertices, global const real4 *normals, global const polygon *polygons,                     \
         global const uint4 *polygon_ranges, global const real4 *corners, global const cone *cones,                     \
-        global const node *nodes, global const uint4 *links, global const uint *order,                                 \
+        global const node *nodes, global const uint2 *links, global const real *blocks, global const uint *block_numbers,                                 \
         global const material *materials, global const light *lights
 
 #define SCENE_ARGUMENTS                                                                                                \
     {                                                                                                                  \
         primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners,    \
-            cones, nodes, links, order, materials, lights, frame.count                                                 \
+            cones, nodes, links, blocks, block_numbers, materials, lights, frame.count                                                 \
     }
 
 // One pixel per work-item; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
@@ -25,20 +25,20 @@ kernel void render(SCENE_PARAMETERS, global const view *views, global const int 
     const uint samples = frame.frame.z;
     real4 colour = (real4)(0), unsent = (real4)(0);
     tally t = {(uint4)(0), (uint4)(0)};
-    for (uint first = 0; first < samples; first += LANES) {
+    for (uint first = 0; first < samples; first += RAYS) {
         packet p;
         p.origin = splat_xyz(camera.eye);
         p.direction = eye_directions(&camera, x, y, first, frame.frame);
         p.weight = splat_xyz((real4)(1));
         p.depth = 1;
         for (int lane = 0; lane < LANES; lane++)
-            INT_LANE(p.active, lane) = first + lane < samples ? TRUE : 0;
+            INT_LANE(p.active, lane) = RAYS == 1 || first + lane < samples ? TRUE : 0;
 #if HAS_TRANSMISSION
         for (int i = 0; i < MEDIA; i++)
             p.in.material[i] = whole(eye_media[i]);
 #endif
         tree_sum sum = trace(&s, &camera, p, frame.frame.w);
-        for (int lane = 0; lane < LANES && first + lane < samples; lane++) {
+        for (int lane = 0; lane < RAYS && first + lane < samples; lane++) {
             colour += (real4)(REAL_LANE(sum.colour.x, lane), REAL_LANE(sum.colour.y, lane),
                               REAL_LANE(sum.colour.z, lane), INT_LANE(sum.hits, lane) ? R(1) : R(0));
             unsent += (real4)(REAL_LANE(sum.discarded.x, lane), REAL_LANE(sum.discarded.y, lane),

@@ -74,7 +74,7 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
 encounter meet_visible(const scene *s, packet p) {
     encounter e = meet(s, p, p.active);
 #if HAS_TRANSMISSION
-    for (ints hidden = p.active & !e.b.visible; any_lane(hidden); hidden &= !e.b.visible) {
+    for (ints hidden = p.active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
         const vectors ahead = choose(e.entering, negate(e.f.normal), e.f.normal);
         p.origin = choose(hidden, spawn(e.f.point, e.f.error, ahead), p.origin);
         p.in = choose_media(hidden, e.b.behind, p.in);
@@ -175,10 +175,10 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
         sum.colour = add(sum.colour, where(missed, mul(p.weight, splat_xyz(camera->background))));
         if (p.depth == 1) {
             sum.hits = found;
-            sum.rays.w += count_lanes(found);
+            sum.rays.w += count_rays(found);
         }
         p.active = mask(false);
-        if (any_lane(found)) {
+        if (any_ray(found)) {
             const shade_point q = make_shade_point(p, e);
             const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
@@ -187,17 +187,17 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
             const shares share = find_shares(s, q, e);
             const real cutoff = camera->limits.x;
             const packet reflected = send_on(p, q, share.reflection, q.r, q.normal, found, cutoff, depth, &sum);
-            sum.rays.x += count_lanes(reflected.active);
+            sum.rays.x += count_rays(reflected.active);
 #if HAS_TRANSMISSION
             packet transmitted =
                 send_on(p, q, share.transmission, q.t.direction, negate(q.normal), found, cutoff, depth, &sum);
-            sum.rays.y += count_lanes(transmitted.active);
+            sum.rays.y += count_rays(transmitted.active);
             transmitted.in = e.b.behind;
 #if HAS_REFLECTION
-            const bool both = any_lane(reflected.active) && any_lane(transmitted.active);
+            const bool both = any_ray(reflected.active) && any_ray(transmitted.active);
             if (both)
                 waiting[height++] = transmitted;
-            p = any_lane(reflected.active) ? reflected : transmitted;
+            p = any_ray(reflected.active) ? reflected : transmitted;
 #else
             p = transmitted;
 #endif
@@ -206,7 +206,7 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
 #endif
 #endif
         }
-        if (any_lane(p.active))
+        if (any_ray(p.active))
             continue;
 #if HAS_REFLECTION && HAS_TRANSMISSION
         if (height > 0) {

@@ -1,7 +1,37 @@
 // tree.cl - the nearest hit and whether there is any, through the tree or over every primitive.
 
-hit try_primitive(const scene *s, ray r, ints active, hit best, uint number) {
-    return nearer(best, active, intersect_bounded(s, r, s->primitives[number]), number);
+// Children that wait: at most WIDTH - 1 for each level of the deepest tree that is built.
+#define TREE_STACK 160
+
+// The nearest distance at which the ray, or any of the rays, enters child k's box; INFINITY where none does.
+typedef struct {
+    real near[WIDTH];
+} entries;
+
+entries enter_children(global const node *n, ray r, ints active, reals limit) {
+    entries e;
+#if RAYS == 1
+    for (uint k = 0; k < WIDTH; k += LANES) {
+        const vectors low =
+            make_vectors(*(global const reals *)(n->low[0] + k), *(global const reals *)(n->low[1] + k),
+                         *(global const reals *)(n->low[2] + k));
+        const vectors high =
+            make_vectors(*(global const reals *)(n->high[0] + k), *(global const reals *)(n->high[1] + k),
+                         *(global const reals *)(n->high[2] + k));
+        const interval i = intersect_bounds(r, low, high);
+        const ints met = (i.near <= i.far) & (i.far > splat(0)) & (i.near <= limit);
+        *(private reals *)(e.near + k) = met ? i.near : splat(INFINITY);
+    }
+#else
+    for (uint k = 0; k < WIDTH; k++) {
+        const vectors low = make_vectors(splat(n->low[0][k]), splat(n->low[1][k]), splat(n->low[2][k]));
+        const vectors high = make_vectors(splat(n->high[0][k]), splat(n->high[1][k]), splat(n->high[2][k]));
+        const interval i = intersect_bounds(r, low, high);
+        const ints met = active & (i.near <= i.far) & (i.far > splat(0)) & (i.near <= limit);
+        e.near[k] = any_lane(met) ? least_lane(met ? i.near : splat(INFINITY)) : R(INFINITY);
+    }
+#endif
+    return e;
 }
 
 // Lanes that still look: all for the nearest hit, those without one where any will do.
@@ -17,27 +47,51 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
     best.u = best.v = splat(0);
 #if HAS_PLANE
     for (uint i = 0; i < s->count.w; i++) {
-        const uint number = s->order[s->count.y + i];
-        best = nearer(best, active, intersect_unbounded(s, r, s->primitives[number]), number);
+        const uint number = s->block_numbers[s->count.y * WIDTH + i];
+        best = nearer(best, active, intersect_unbounded(s, r, s->primitives[number]), whole(number));
     }
 #endif
 #if HAS_TREE
-    for (uint i = 0; i < s->count.z;) {
-        const bounds box = s->nodes[i].bounds;
-        const uint4 link = s->links[i];
-        const interval in = intersect_bounds(r, splat_xyz(box.low), splat_xyz(box.high));
-        const ints want =
-            still_looking(active, best, any) & (in.near <= in.far) & (in.far > splat(0)) & (in.near <= best.distance);
-        const bool enter = any_lane(want);
-        for (uint k = 0; enter && k < link.z; k++)
-            best = try_primitive(s, r, want, best, s->order[link.y + k]);
-        i = enter ? i + 1 : link.x;
+    uint2 waiting[TREE_STACK];
+    real distances[TREE_STACK];
+    uint height = 0;
+    uint2 here = (uint2)(0, LINK_NODE);
+    if (s->count.z == 0)
+        return best;
+    for (;;) {
+        if (here.y == LINK_NODE) {
+            const entries e = enter_children(s->nodes + here.x, r, active, best.distance);
+            global const uint2 *links = s->links + here.x * WIDTH;
+            const uint floor = height;
+            for (uint k = 0; k < WIDTH; k++) {
+                const real near = e.near[k];
+                if (near == R(INFINITY))
+                    continue;
+                uint at = height++; // kept in order, the nearest on top
+                for (; at > floor && distances[at - 1] < near; at--) {
+                    distances[at] = distances[at - 1];
+                    waiting[at] = waiting[at - 1];
+                }
+                distances[at] = near;
+                waiting[at] = links[k];
+            }
+        } else {
+            best = try_block(s, r, active, best, here.x, here.y);
+            active = still_looking(active, best, any);
+            if (any && !any_ray(active))
+                return best;
+        }
+        do {
+            if (height == 0)
+                return best;
+            here = waiting[--height];
+        } while (distances[height] > greatest_ray(best.distance));
     }
 #else
     for (uint k = 0; k < s->count.y; k++)
-        best = try_primitive(s, r, active, best, s->order[k]);
-#endif
+        best = try_block(s, r, active, best, s->links[k].x, s->links[k].y);
     return best;
+#endif
 }
 
 hit closest_hit(const scene *s, ray r, ints active) {

@@ -57,11 +57,29 @@ typedef struct {
     bounds bounds;
 } cone;
 
-/* A node of the tree in depth-first order. Its links: x the node to go to when it is missed, y the first entry of `order`
- * and z the number of entries, 0 for an inner node (whose first child is the next node). */
+/* Children of a node, and primitives of a leaf. */
+#define WIDTH 8
+
+/* A node of the tree: its children's boxes side by side, by axis. Each child has two words of `links`: a node's number and
+ * LINK_NODE, or the place of a leaf's block (in units of WIDTH reals) and its tag. */
 typedef struct {
-    bounds bounds;
+    real low[3][WIDTH], high[3][WIDTH];
 } node;
+
+/* A leaf's block holds up to WIDTH primitives of one kind and with the same flags, number after number for each field; empty
+ * places repeat the last primitive. The tag: its kind, its flags, and the block's own number. */
+#define LINK_NODE 0xffffffffu
+#define TAG_KIND 29
+#define TAG_FLAGS 24
+#define TAG_NUMBER 0xffffffu
+
+/* Fields of a block: the primitive's own, then its bounds, unless these are plain from them. */
+#define FIELDS_SPHERE 10  /* centre, radius, bounds */
+#define FIELDS_DISC 13    /* centre, radius, normal, bounds */
+#define FIELDS_BOX 6      /* low, high */
+#define FIELDS_TRIANGLE 9 /* three corners */
+#define FIELDS_POLYGON 6  /* bounds */
+#define FIELDS_CONE 21    /* base, u, v, axis, radius, height, slope, bounds */
 
 /* Symbols as in (16.20) and (16.12). optics: refractive index, priority, 1 if total reflection carries rho_tg too, 1 if
  * Fresnel weights. */
