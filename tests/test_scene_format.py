@@ -19,7 +19,8 @@ Vector = list[float]
 def load(folder: Path, text: str) -> dict[str, Any]:
     path = folder / "scene.yaml"
     path.write_text(text)
-    return describe(path)
+    scene: dict[str, Any] = describe(path)
+    return scene
 
 
 def test_defaults(tmp_path: Path) -> None:
@@ -72,7 +73,8 @@ def test_numbers_are_read_to_the_last_bit(tmp_path: Path) -> None:
 def shape(folder: Path, body: str, transform: str) -> dict[str, Any]:
     objects = load(folder, f"objects:\n  - {body}\n    transform: {transform}\n")["objects"]
     assert len(objects) == 1
-    return objects[0]
+    only: dict[str, Any] = objects[0]
+    return only
 
 
 def test_steps_apply_in_order(tmp_path: Path) -> None:
@@ -189,7 +191,7 @@ def test_degenerate_triangles_are_dropped_and_counted(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("exponent", [-40, 0, 40])
 def test_what_is_degenerate_does_not_depend_on_scale(tmp_path: Path, exponent: int) -> None:
-    thin = [[0, 0, 0], [1, 0, 0], [0.5, 1e-13, 0]]
+    thin: list[Vector] = [[0, 0, 0], [1, 0, 0], [0.5, 1e-13, 0]]
     corners = [[x * 2.0**exponent for x in corner] for corner in thin]
     scene = load(tmp_path, f"objects: [{{triangle: {{corners: {corners}}}}}]\n")
     assert len(scene["objects"]) == 1 and not scene["warnings"]
