@@ -171,6 +171,10 @@ static int check_ply(FILE *file, char *why, size_t size) {
     }
     p->file = file;
     int elements = read_header(p) ? p->element_count : 0, code = FEELER_OK;
+    if (!elements && feof(file)) { /* assimp would look for it for ever */
+        snprintf(why, size, "is cut short: its header has no end");
+        code = FEELER_BAD_INPUT;
+    }
     for (int k = 0; k < elements && code == FEELER_OK; k++) {
         const element *e = &p->elements[k];
         unsigned long long whole = 0;
