@@ -29,6 +29,7 @@ typedef struct element {
 
 typedef struct ply {
     FILE *file;
+    bool begins; /* as a PLY file does */
     enum { ASCII, LITTLE_ENDIAN_BINARY, BIG_ENDIAN_BINARY } format;
     int element_count;
     element elements[MOST_ELEMENTS];
@@ -84,6 +85,7 @@ static bool read_format(ply *p, const char *line) {
 static bool read_header(ply *p) {
     char line[1024], word[32];
     while (fgets(line, sizeof line, p->file)) {
+        p->begins = p->begins || strncmp(line, "ply", 3) == 0;
         if (sscanf(line, "%31s", word) != 1)
             continue;
         if (strcmp(word, "end_header") == 0)
@@ -171,7 +173,7 @@ static int check_ply(FILE *file, char *why, size_t size) {
     }
     p->file = file;
     int elements = read_header(p) ? p->element_count : 0, code = FEELER_OK;
-    if (!elements && feof(file)) { /* assimp would look for it for ever */
+    if (!elements && feof(file) && p->begins) { /* assimp would look for it for ever */
         snprintf(why, size, "is cut short: its header has no end");
         code = FEELER_BAD_INPUT;
     }
