@@ -33,9 +33,11 @@ struct feeler_image {
     char *stats_json;        /* owned, made on request */
 };
 
-/* image_io.cpp: the only file that knows OpenImageIO. Writes the whole file under exactly this name, in the format that
+/* image_io.cpp, the only file that knows OpenImageIO, in a library of its own (image_plugin.c). Writes the whole file under exactly this name, in the format that
  * `format_name` ("x.exr" or only the ending) tells. */
 int image_io_write(const feeler_image *image, const char *path, const char *format_name,
                    const feeler_save_options *options, feeler_error *error);
+int feeler_image_io_write(const feeler_image *image, const char *path, const char *format_name,
+                          const feeler_save_options *options, feeler_error *error);
 
 #endif
