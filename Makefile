@@ -32,8 +32,9 @@ MAIN_OBJECTS := $(MAIN_SOURCES:host/%.c=$(BUILD)/%.o)
 .PHONY: all
 all: $(BUILD)/feeler $(BUILD)/libfeeler-image.so $(BUILD)/feeler_cdef.h
 
+# Never unloaded: the worker threads of Embree's TBB would go on in code that is no longer there.
 $(BUILD)/libfeeler.so: $(LIB_OBJECTS)
-	$(CC) -shared -pthread $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(CC) -shared -pthread $(LDFLAGS) -Wl,-z,nodelete -o $@ $^ $(LDLIBS)
 
 # What writes files, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
 $(BUILD)/libfeeler-image.so: $(BUILD)/image_io.o $(BUILD)/error.o
