@@ -44,9 +44,13 @@ bool mesh_ends_with(const char *path, const char *ending) {
 
 /* Bytes of a type; 0 when unknown. */
 static unsigned type_size(const char *name) {
-    static const struct { const char *name; unsigned size; } types[] = {
-        {"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2}, {"int16", 2}, {"uint16", 2},
-        {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8},
+    static const struct {
+        const char *name;
+        unsigned size;
+    } types[] = {
+        {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},   {"short", 2}, {"ushort", 2},
+        {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},    {"int32", 4}, {"uint32", 4},
+        {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8},
     };
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (strcmp(types[i].name, name) == 0)
@@ -76,8 +80,9 @@ static bool read_format(ply *p, const char *line) {
     char name[32];
     if (sscanf(line, "format %31s", name) != 1)
         return false;
-    p->format = strcmp(name, "ascii") == 0 ? ASCII
-                : strcmp(name, "binary_little_endian") == 0 ? LITTLE_ENDIAN_BINARY : BIG_ENDIAN_BINARY;
+    p->format = strcmp(name, "ascii") == 0                  ? ASCII
+                : strcmp(name, "binary_little_endian") == 0 ? LITTLE_ENDIAN_BINARY
+                                                            : BIG_ENDIAN_BINARY;
     return true;
 }
 
@@ -199,7 +204,8 @@ static int check_stl(FILE *file, unsigned long long length, char *why, size_t si
     unsigned char head[84] = {0};
     char tail[1025] = "";
     size_t got = fread(head, 1, sizeof head, file);
-    unsigned long long count = head[80] | head[81] << 8 | (unsigned long long)head[82] << 16 | (unsigned long long)head[83] << 24;
+    unsigned long long count =
+        head[80] | head[81] << 8 | (unsigned long long)head[82] << 16 | (unsigned long long)head[83] << 24;
     if (got == sizeof head && length == sizeof head + 50 * count)
         return FEELER_OK;
     if (memcmp(head, "solid", 5) != 0) {
