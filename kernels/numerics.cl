@@ -74,8 +74,10 @@ reals power(reals base, reals exponent) {
         series = fma(series, q, splat(LOG_HIGH / R(2 * k + 1)));
     const reals first = LOG_HIGH * s;
     const reals low = fma(splat(LOG_HIGH), s, -first) + (LOG_LOW * s + (LOG_HIGH * rest + series * (q * s)));
-    const reals log_high = e + first;
-    const reals log_low = (first - (log_high - e)) + low;
+    const reals sum_high = e + first;
+    const reals sum_low = (first - (sum_high - e)) + low;
+    const reals log_high = sum_high + sum_low;
+    const reals log_low = sum_low - (log_high - sum_high);
 
     const reals y = exponent * log_high;
     const reals y_low = fma(exponent, log_high, -y) + exponent * log_low;

@@ -1,7 +1,8 @@
 // tree.cl - the nearest hit and whether there is any, through the tree or over every primitive.
 
 hit try_primitive(const scene *s, ray r, ints active, hit best, uint number) {
-    return nearer(best, active, intersect_bounded(s, r, s->primitives[number]), number);
+    const ray facing = face_primitive(r, number);
+    return nearer(facing, best, active, intersect_bounded(s, facing, s->primitives[number]), number);
 }
 
 // Lanes that still look: all for the nearest hit, those without one where any will do.
@@ -18,7 +19,8 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
 #if HAS_PLANE
     for (uint i = 0; i < s->count.w; i++) {
         const uint number = s->order[s->count.y + i];
-        best = nearer(best, active, intersect_unbounded(s, r, s->primitives[number]), number);
+        best =
+            nearer(face_primitive(r, number), best, active, intersect_unbounded(s, r, s->primitives[number]), number);
     }
 #endif
 #if HAS_TREE
