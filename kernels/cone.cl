@@ -2,19 +2,18 @@
 
 typedef struct {
     vectors base, u, v, axis;
-    reals radius, slope, height, top_radius;
+    reals radius, slope, height;
 } frustum;
 
-frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis_top_radius) {
+frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis) {
     frustum f;
     f.base = base_radius.xyz;
     f.u = u_height.xyz;
     f.v = v_slope.xyz;
-    f.axis = axis_top_radius.xyz;
+    f.axis = axis.xyz;
     f.radius = base_radius.w;
     f.height = u_height.w;
     f.slope = v_slope.w;
-    f.top_radius = axis_top_radius.w;
     return f;
 }
 

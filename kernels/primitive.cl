@@ -80,14 +80,8 @@ crossing intersect_bounded(const scene *s, ray r, uint4 primitive) {
 #if HAS_CONE
     case KIND_CONE: {
         const cone a = s->cones[index];
-        frustum f;
-        f.base = splat_xyz(a.base_radius);
-        f.u = splat_xyz(a.u_height);
-        f.v = splat_xyz(a.v_slope);
-        f.axis = splat_xyz(a.axis_top_radius);
-        f.radius = splat(a.base_radius.w);
-        f.height = splat(a.u_height.w);
-        f.slope = splat(a.v_slope.w);
+        const frustum f = make_frustum(splat_quads(a.base_radius), splat_quads(a.u_height), splat_quads(a.v_slope),
+                                       splat_quads(a.axis));
         c = intersect_cone(r, f, flags);
         box = a.bounds;
         break;
@@ -213,7 +207,7 @@ surface find_surface(const scene *s, ray r, hit h, ints active, identity id) {
     if (any_lane(m)) {
         const ints i = INDEX_OF(m);
         const frustum cone = make_frustum(GATHER(s->cones, i, base_radius), GATHER(s->cones, i, u_height),
-                                          GATHER(s->cones, i, v_slope), GATHER(s->cones, i, axis_top_radius));
+                                          GATHER(s->cones, i, v_slope), GATHER(s->cones, i, axis));
         f = choose_surface(m, surface_cone(r, h.distance, h.u, cone), f);
     }
 #endif
