@@ -27,7 +27,7 @@ def only(*features: str) -> str:
     return " ".join(f"-D{name}={int(name.removeprefix('HAS_') in features)}" for name in names)
 
 
-SHAPES = only("SPHERE", "PLANE", "DISC", "BOX", "TRIANGLE", "POLYGON", "CONE")
+SHAPES = only("TRANSMISSION", "SPHERE", "PLANE", "DISC", "BOX", "TRIANGLE", "POLYGON", "CONE")
 
 
 def units(rng: np.random.Generator, count: int) -> Any:
