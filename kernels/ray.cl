@@ -14,10 +14,8 @@ typedef struct {
 typedef struct {
     vectors origin, direction, inverse;
     shear shear;
-#if STEPS
     reals least;
     ints last, again;
-#endif
 } ray; // direction of length 1
 
 // The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
@@ -57,11 +55,9 @@ ray make_ray(vectors origin, vectors direction) {
     ray r;
     r.origin = origin;
     r.direction = direction;
-#if STEPS
     r.least = splat(0);
     r.last = whole(-1);
     r.again = mask(false);
-#endif
     r.inverse = make_vectors(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
 #if HAS_TRIANGLE || HAS_POLYGON
     const vectors size = absolute(direction);
