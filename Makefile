@@ -18,7 +18,7 @@ ALL_CFLAGS = -std=c11 $(WARN) -fPIC -fvisibility=hidden -ffp-contract=off -pthre
   -DFEELER_VERSION='"$(VERSION)"' -Ihost -Ikernels -I$(BUILD) $(shell pkg-config --cflags $(LIBS)) $(CFLAGS)
 ALL_CXXFLAGS = -std=c++17 $(WARN) -fPIC -fvisibility=hidden -pthread -DFEELER_VERSION='"$(VERSION)"' -Ihost \
   $(shell pkg-config --cflags-only-I OpenImageIO | sed 's/-I/-isystem /g') $(CFLAGS)
-LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm
+LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
@@ -26,14 +26,19 @@ KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl 
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))
-LIB_OBJECTS := $(LIB_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/image_io.o $(BUILD)/kernel_source.o
-MAIN_OBJECTS := $(MAIN_SOURCES:host/%.c=$(BUILD)/%.o)
+LIB_OBJECTS := $(LIB_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/kernel_source.o
+MAIN_OBJECTS := $(MAIN_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/clock.o
 
 .PHONY: all
-all: $(BUILD)/feeler $(BUILD)/feeler_cdef.h
+all: $(BUILD)/feeler $(BUILD)/libfeeler-image.so $(BUILD)/feeler_cdef.h
 
+# Never unloaded: the worker threads of Embree's TBB would go on in code that is no longer there.
 $(BUILD)/libfeeler.so: $(LIB_OBJECTS)
-	$(CXX) -shared -pthread $(LDFLAGS) -o $@ $^ $(LDLIBS) -lOpenImageIO -lOpenImageIO_Util
+	$(CC) -shared -pthread $(LDFLAGS) -Wl,-z,nodelete -o $@ $^ $(LDLIBS)
+
+# What writes files, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
+$(BUILD)/libfeeler-image.so: $(BUILD)/image_io.o $(BUILD)/error.o
+	$(CXX) -shared -pthread $(LDFLAGS) -o $@ $^ -lOpenImageIO -lOpenImageIO_Util
 
 # The program uses internal headers' functions never: only what the library exports.
 $(BUILD)/feeler: $(MAIN_OBJECTS) $(BUILD)/libfeeler.so
@@ -65,8 +70,9 @@ $(BUILD):
 
 # ---- setting up
 
-# What only the checks need, once.
+# What only the checks need, and what only the comparison with other renderers, once.
 LINT_PACKAGES := clang clang-format libclang-rt-14-dev oclgrind valgrind
+PEER_PACKAGES := povray
 VENV := .venv
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo )
 
@@ -110,12 +116,46 @@ demo: deps ## set up, build, and render build/demo.png
 
 DEMO := scenes/first.yaml
 
+# Every scene as a picture, again when the scene or the program has changed; the generated ones are made first.
+GENERATED := sphereflake rings seashell
+PICTURES := $(patsubst scenes/%.yaml,$(BUILD)/gallery/%.png,$(wildcard scenes/*.yaml)) $(GENERATED:%=$(BUILD)/gallery/%.png)
+PROGRAM := $(BUILD)/feeler $(BUILD)/libfeeler.so
+RENDER_PICTURE = $(BUILD)/feeler render $< -o $@ --size 640x480 --samples 16
+
+.SECONDARY: $(GENERATED:%=$(BUILD)/scenes/%.yaml)
+.PHONY: gallery
+gallery: ready ## render every scene into build/gallery/, and the pictures of the documentation
+	@$(MAKE) --no-print-directory docs/gallery.png docs/first.jpg
+
+docs/gallery.png: $(PICTURES) scenes/contact_sheet.py
+	$(VENV)/bin/python scenes/contact_sheet.py $@ $(BUILD)/gallery
+
+docs/first.jpg: scenes/first.yaml $(PROGRAM)
+	$(BUILD)/feeler render $< -o $@ --samples 16
+
+$(BUILD)/gallery/%.png: scenes/%.yaml $(PROGRAM) | $(BUILD)/gallery
+	$(RENDER_PICTURE)
+
+$(BUILD)/gallery/%.png: $(BUILD)/scenes/%.yaml $(PROGRAM) | $(BUILD)/gallery
+	$(RENDER_PICTURE)
+
+$(BUILD)/gallery/figure-16-1.png $(BUILD)/gallery/figure-16-1-shadow.png: scenes/parts/figure-16-1.yaml
+
+$(BUILD)/scenes/seashell.yaml: scenes/generate_seashell.py | $(BUILD)/scenes
+	$(PYTHON) $< $@
+
+$(BUILD)/scenes/%.yaml: scenes/generate_%.py | $(BUILD)/scenes
+	$(PYTHON) $< > $@ || { rm -f $@; exit 1; }
+
+$(BUILD)/gallery $(BUILD)/scenes:
+	mkdir -p $@
+
 .PHONY: install uninstall
 INTO = $(DESTDIR)$(PREFIX)
 install: all ## install under PREFIX (/usr/local), below DESTDIR
 	install -d $(addprefix $(INTO)/,bin include lib/pkgconfig share/feeler/kernels share/man/man1)
 	install -m 755 $(BUILD)/feeler $(INTO)/bin
-	install -m 755 $(BUILD)/libfeeler.so $(INTO)/lib
+	install -m 755 $(BUILD)/libfeeler.so $(BUILD)/libfeeler-image.so $(INTO)/lib
 	install -m 644 host/feeler.h $(INTO)/include
 	install -m 644 $(KERNELS) $(INTO)/share/feeler/kernels
 	install -m 644 docs/feeler.1 $(INTO)/share/man/man1
@@ -123,7 +163,7 @@ install: all ## install under PREFIX (/usr/local), below DESTDIR
 	  'Version: $(VERSION)' 'Libs: -L$${prefix}/lib -lfeeler' 'Cflags: -I$${prefix}/include' > $(INTO)/lib/pkgconfig/feeler.pc
 
 uninstall: ## remove what install has put there
-	rm -rf $(addprefix $(INTO)/,bin/feeler lib/libfeeler.so lib/pkgconfig/feeler.pc include/feeler.h share/feeler \
+	rm -rf $(addprefix $(INTO)/,bin/feeler lib/libfeeler.so lib/libfeeler-image.so lib/pkgconfig/feeler.pc include/feeler.h share/feeler \
 	  share/man/man1/feeler.1)
 
 # ---- checking it
@@ -135,7 +175,8 @@ test: ready ## set up, build and test (ARGS= goes to pytest)
 test-long: ready ## the tests that take minutes
 	$(VENV)/bin/pytest -q -m slow $(ARGS)
 
-test-peers: ready ## compare with other renderers
+test-peers: ready ## compare with other renderers; the difference images are in build/peers
+	@$(call install_missing,$(PEER_PACKAGES)) || echo 'what is missing of $(PEER_PACKAGES) cannot be installed: its tests skip'
 	$(VENV)/bin/pytest -q -rs -m peers $(ARGS)
 
 .PHONY: lint format check-exports
@@ -153,11 +194,11 @@ format: ## write every file as lint wants it
 	$(VENV)/bin/ruff format
 
 # Templates of the C++ library are visible whatever the compiler is told, so the linker has a list.
-$(BUILD)/libfeeler.so: | host/feeler.map
-$(BUILD)/libfeeler.so: override LDFLAGS += -Wl,--version-script=host/feeler.map
+$(BUILD)/libfeeler.so $(BUILD)/libfeeler-image.so: | host/feeler.map
+$(BUILD)/libfeeler.so $(BUILD)/libfeeler-image.so: override LDFLAGS += -Wl,--version-script=host/feeler.map
 
 check-exports: all
-	@! nm -D --defined-only $(BUILD)/libfeeler.so | grep -v ' feeler_' || { echo 'these must not leave the library'; exit 1; }
+	@! nm -D --defined-only $(BUILD)/libfeeler.so $(BUILD)/libfeeler-image.so | grep " . " | grep -v ' feeler_' || { echo 'these must not leave the library'; exit 1; }
 
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 .PHONY: sanitize valgrind oclgrind
@@ -186,7 +227,7 @@ fuzz: deps-lint ## feed broken scenes to the readers under ASan (FUZZ_SECONDS=60
 
 $(BUILD)/fuzz_readers: tests/fuzz_readers.c $(LIB_OBJECTS)
 	$(CC) $(ALL_CFLAGS) -c -o $@.o $<
-	$(CXX) -pthread $(LDFLAGS) -o $@ $@.o $(LIB_OBJECTS) $(LDLIBS) -lOpenImageIO -lOpenImageIO_Util
+	$(CXX) -pthread $(LDFLAGS) -o $@ $@.o $(LIB_OBJECTS) $(LDLIBS)
 
 # ---- cleaning up
 

@@ -11,7 +11,7 @@ from setuptools import setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_py import build_py
 
-SHIPPED = ("libfeeler.so", "feeler_cdef.h")
+SHIPPED = ("libfeeler.so", "libfeeler-image.so", "feeler_cdef.h")
 
 
 class BuildWithLibrary(build_py):

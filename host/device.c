@@ -199,6 +199,11 @@ void feeler_device_close(feeler_device *device) {
     if (!device)
         return;
     /* Nothing sensible can be done when releasing fails. */
+    for (int i = 0; i < MOST_BUILT; i++) {
+        if (device->built[i].program)
+            (void)clReleaseProgram(device->built[i].program);
+        free(device->built[i].options);
+    }
     if (device->queue)
         (void)clReleaseCommandQueue(device->queue);
     if (device->context)

@@ -8,6 +8,14 @@
 #include <CL/cl.h>
 #include <stdbool.h>
 
+/* A program that was built before: rendering again with the same options need not ask the driver. */
+typedef struct built {
+    char *options; /* owned; NULL: an empty place */
+    cl_program program;
+} built;
+
+enum { MOST_BUILT = 16 };
+
 struct feeler_device {
     cl_context context;
     cl_device_id id;
@@ -16,6 +24,8 @@ struct feeler_device {
     bool has_double;
     bool is_cpu;
     size_t max_work_group;
+    built built[MOST_BUILT];
+    int next_built; /* the place that the next one takes */
 };
 
 /* Fills the error with the call's name and OpenCL's name of the status; returns -1. */

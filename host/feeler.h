@@ -27,12 +27,12 @@ extern "C" {
 
 typedef enum feeler_code {
     FEELER_OK = 0,
-    FEELER_BAD_INPUT,    /* a scene, mesh or setting is wrong */
-    FEELER_BAD_USAGE,    /* an argument of the call itself is wrong */
-    FEELER_IO,           /* a file cannot be read or written */
+    FEELER_BAD_INPUT, /* a scene, mesh or setting is wrong */
+    FEELER_BAD_USAGE, /* an argument of the call itself is wrong */
+    FEELER_IO,        /* a file cannot be read or written */
     FEELER_OUT_OF_MEMORY,
-    FEELER_DEVICE,       /* no OpenCL device, or an OpenCL call or kernel build failed */
-    FEELER_INTERRUPTED   /* the progress callback asked to stop */
+    FEELER_DEVICE,     /* no OpenCL device, or an OpenCL call or kernel build failed */
+    FEELER_INTERRUPTED /* the progress callback asked to stop */
 } feeler_code;
 
 /* Where and what is wrong. `source` is a file name, or the path of a key for a scene that came from a dict; line and
@@ -86,19 +86,19 @@ enum { FEELER_DRAFT, FEELER_STANDARD, FEELER_REFERENCE };
 
 /* What a caller may set over the scene's own values. Start from feeler_settings_default. */
 typedef struct feeler_settings {
-    int width, height;      /* pixels; 0: the scene's */
-    int samples;            /* per pixel; 0: the scene's */
-    double jitter;          /* 0 … 1; negative: the scene's */
-    int depth;              /* greatest depth, the eye ray's being 1; 0: the scene's */
-    double cutoff;          /* 0 … 1; negative: the scene's */
-    int level;              /* FEELER_DRAFT, _STANDARD, _REFERENCE */
-    int region[4];          /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
-    int transparent;        /* 1: the background does not show, alpha is the coverage */
-    int work_group[2];      /* x, y; 0: chosen */
-    int lanes;              /* samples traced side by side: 1, 2, 4, 8 or 16; 0: chosen */
-    int tile;               /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
-    int general;            /* 1: compile everything, not only what the scene needs (for tests) */
-    int brute_force;        /* 1: no tree (for tests) */
+    int width, height; /* pixels; 0: the scene's */
+    int samples;       /* per pixel; 0: the scene's */
+    double jitter;     /* 0 … 1; negative: the scene's */
+    int depth;         /* greatest depth, the eye ray's being 1; 0: the scene's */
+    double cutoff;     /* 0 … 1; negative: the scene's */
+    int level;         /* FEELER_DRAFT, _STANDARD, _REFERENCE */
+    int region[4];     /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
+    int transparent;   /* 1: the background does not show, alpha is the coverage */
+    int work_group[2]; /* x, y; 0: chosen */
+    int lanes;         /* samples traced side by side: 1, 2, 4, 8 or 16; 0: chosen */
+    int tile;          /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
+    int general;       /* 1: compile everything, not only what the scene needs (for tests) */
+    int brute_force;   /* 1: no tree (for tests) */
 } feeler_settings;
 
 FEELER_API void feeler_settings_default(feeler_settings *settings);
@@ -128,8 +128,9 @@ typedef int (*feeler_progress)(void *user, double fraction);
 
 /* Renders. `progress` may be NULL. When progress asks to stop, the image so far is returned and error->code is
  * FEELER_INTERRUPTED; rows or tiles that are not done are transparent black. */
-FEELER_API feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
-                                       feeler_progress progress, void *user, feeler_error *error);
+FEELER_API feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings,
+                                       feeler_device *device, feeler_progress progress, void *user,
+                                       feeler_error *error);
 FEELER_API void feeler_image_free(feeler_image *image);
 
 /* Size of the rendered region in pixels. */
@@ -151,7 +152,8 @@ typedef struct feeler_save_options {
     int partial; /* 1: the metadata says that the render was interrupted */
 } feeler_save_options;
 
-FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error);
+FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options,
+                                 feeler_error *error);
 /* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists), else -1: ask before
  * rendering. */
 FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error);
@@ -160,7 +162,8 @@ FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options
 
 /* What the scene contains, the features it needs, the kernel's options and memory, as JSON text to be freed with
  * feeler_free. */
-FEELER_API char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error);
+FEELER_API char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *settings,
+                                        feeler_error *error);
 /* The kernels' source, whole, with #line directives. Static. */
 FEELER_API const char *feeler_kernel_source(void);
 /* The build options for a scene and settings; with scene NULL, the general options (every feature) for the level and

@@ -23,19 +23,21 @@ typedef struct render_stats {
 } render_stats;
 
 struct feeler_image {
-    int x0, y0;              /* of the region in the picture, pixels */
-    int width, height;       /* of the region */
+    int x0, y0;        /* of the region in the picture, pixels */
+    int width, height; /* of the region */
     bool is_double;
-    void *pixels;            /* owned; width x height x 4 float or double, linear RGBA */
+    void *pixels; /* owned; width x height x 4 float or double, linear RGBA */
     bool transparent;
-    char *scene_name;        /* owned */
+    char *scene_name; /* owned */
     render_stats stats;
-    char *stats_json;        /* owned, made on request */
+    char *stats_json; /* owned, made on request */
 };
 
-/* image_io.cpp: the only file that knows OpenImageIO. Writes the whole file under exactly this name, in the format that
+/* image_io.cpp, the only file that knows OpenImageIO, in a library of its own (image_plugin.c). Writes the whole file under exactly this name, in the format that
  * `format_name` ("x.exr" or only the ending) tells. */
 int image_io_write(const feeler_image *image, const char *path, const char *format_name,
                    const feeler_save_options *options, feeler_error *error);
+int feeler_image_io_write(const feeler_image *image, const char *path, const char *format_name,
+                          const feeler_save_options *options, feeler_error *error);
 
 #endif

@@ -263,8 +263,10 @@ int write(const feeler_image &image, const char *path, const char *format_name, 
 
 } // namespace
 
-extern "C" int image_io_write(const feeler_image *image, const char *path, const char *format_name,
-                              const feeler_save_options *options, feeler_error *error) {
+extern "C" __attribute__((visibility("default"))) int feeler_image_io_write(const feeler_image *image, const char *path,
+                                                                            const char *format_name,
+                                                                            const feeler_save_options *options,
+                                                                            feeler_error *error) {
     try {
         return write(*image, path, format_name, *options, error);
     } catch (const std::bad_alloc &) {

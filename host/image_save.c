@@ -1,6 +1,7 @@
 /* image_save.c - writes a picture under its final name only when the whole of it is on the disk. */
 #define _XOPEN_SOURCE 700 /* realpath */
 
+#include "clock.h"
 #include "image.h"
 #include "scene.h"
 
@@ -12,7 +13,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef struct format {
@@ -139,12 +139,6 @@ static int write_and_rename(const feeler_image *image, const char *path, const f
     if (result)
         (void)unlink(temporary);
     return result;
-}
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error) {

@@ -29,6 +29,7 @@ typedef struct element {
 
 typedef struct ply {
     FILE *file;
+    bool begins; /* as a PLY file does */
     enum { ASCII, LITTLE_ENDIAN_BINARY, BIG_ENDIAN_BINARY } format;
     int element_count;
     element elements[MOST_ELEMENTS];
@@ -43,9 +44,13 @@ bool mesh_ends_with(const char *path, const char *ending) {
 
 /* Bytes of a type; 0 when unknown. */
 static unsigned type_size(const char *name) {
-    static const struct { const char *name; unsigned size; } types[] = {
-        {"char", 1}, {"uchar", 1}, {"int8", 1}, {"uint8", 1}, {"short", 2}, {"ushort", 2}, {"int16", 2}, {"uint16", 2},
-        {"int", 4}, {"uint", 4}, {"int32", 4}, {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8},
+    static const struct {
+        const char *name;
+        unsigned size;
+    } types[] = {
+        {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},   {"short", 2}, {"ushort", 2},
+        {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},    {"int32", 4}, {"uint32", 4},
+        {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8},
     };
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (strcmp(types[i].name, name) == 0)
@@ -75,8 +80,9 @@ static bool read_format(ply *p, const char *line) {
     char name[32];
     if (sscanf(line, "format %31s", name) != 1)
         return false;
-    p->format = strcmp(name, "ascii") == 0 ? ASCII
-                : strcmp(name, "binary_little_endian") == 0 ? LITTLE_ENDIAN_BINARY : BIG_ENDIAN_BINARY;
+    p->format = strcmp(name, "ascii") == 0                  ? ASCII
+                : strcmp(name, "binary_little_endian") == 0 ? LITTLE_ENDIAN_BINARY
+                                                            : BIG_ENDIAN_BINARY;
     return true;
 }
 
@@ -84,6 +90,7 @@ static bool read_format(ply *p, const char *line) {
 static bool read_header(ply *p) {
     char line[1024], word[32];
     while (fgets(line, sizeof line, p->file)) {
+        p->begins = p->begins || strncmp(line, "ply", 3) == 0;
         if (sscanf(line, "%31s", word) != 1)
             continue;
         if (strcmp(word, "end_header") == 0)
@@ -171,6 +178,10 @@ static int check_ply(FILE *file, char *why, size_t size) {
     }
     p->file = file;
     int elements = read_header(p) ? p->element_count : 0, code = FEELER_OK;
+    if (!elements && feof(file) && p->begins) { /* assimp would look for it for ever */
+        snprintf(why, size, "is cut short: its header has no end");
+        code = FEELER_BAD_INPUT;
+    }
     for (int k = 0; k < elements && code == FEELER_OK; k++) {
         const element *e = &p->elements[k];
         unsigned long long whole = 0;
@@ -193,7 +204,8 @@ static int check_stl(FILE *file, unsigned long long length, char *why, size_t si
     unsigned char head[84] = {0};
     char tail[1025] = "";
     size_t got = fread(head, 1, sizeof head, file);
-    unsigned long long count = head[80] | head[81] << 8 | (unsigned long long)head[82] << 16 | (unsigned long long)head[83] << 24;
+    unsigned long long count =
+        head[80] | head[81] << 8 | (unsigned long long)head[82] << 16 | (unsigned long long)head[83] << 24;
     if (got == sizeof head && length == sizeof head + 50 * count)
         return FEELER_OK;
     if (memcmp(head, "solid", 5) != 0) {

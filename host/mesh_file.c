@@ -1,6 +1,6 @@
 /* mesh_file.c - meshes and their materials from files, through assimp. */
-#include "mesh.h"
 #include "mesh_file.h"
+#include "mesh.h"
 #include "mesh_io.h"
 #include "vec.h"
 
@@ -16,12 +16,12 @@
 typedef struct import {
     feeler_scene *scene;
     const char *path;
-    int material, smooth;         /* as scene_add_mesh_file takes them */
-    place place;                  /* of the objects and of errors */
-    bool referenced;              /* the place is in another file, which errors then have to tell */
+    int material, smooth; /* as scene_add_mesh_file takes them */
+    place place;          /* of the objects and of errors */
+    bool referenced;      /* the place is in another file, which errors then have to tell */
     const struct aiScene *file;
-    int *materials;               /* per material of the file: the scene's index, or -1 */
-    size_t triangles, leftovers;  /* found so far; leftovers are points and lines */
+    int *materials;              /* per material of the file: the scene's index, or -1 */
+    size_t triangles, leftovers; /* found so far; leftovers are points and lines */
     bool colours;
     mesh_io io;
     feeler_error *error;
@@ -107,8 +107,8 @@ typedef struct transform {
 } transform;
 
 static transform then(const transform *outer, const struct aiMatrix4x4 *m) {
-    const double inner[4][4] = {{m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4},
-                                {m->c1, m->c2, m->c3, m->c4}, {0, 0, 0, 1}};
+    const double inner[4][4] = {
+        {m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4}, {m->c1, m->c2, m->c3, m->c4}, {0, 0, 0, 1}};
     transform both;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++) {
@@ -229,7 +229,8 @@ static int material_index(import *in, unsigned index) {
         return in->material;
     if (in->materials[index] < 0) {
         scene_material *material = scene_add_material(in->scene, in->error);
-        if (!material || mesh_material_set(material, in->file->mNumMaterials ? in->file->mMaterials[index] : NULL, in->error))
+        if (!material ||
+            mesh_material_set(material, in->file->mNumMaterials ? in->file->mMaterials[index] : NULL, in->error))
             return -1;
         material->place = in->place;
         in->materials[index] = (int)(in->scene->material_count - 1);
@@ -287,13 +288,13 @@ static bool has_textures(const import *in) {
 }
 
 static int warn(import *in) {
-    if (in->leftovers
-        && scene_warn(in->scene, in->error, "mesh '%s': %zu faces that are points or lines are left out", in->path, in->leftovers))
+    if (in->leftovers && scene_warn(in->scene, in->error, "mesh '%s': %zu faces that are points or lines are left out",
+                                    in->path, in->leftovers))
         return -1;
     if (in->material >= 0)
         return 0;
-    if (in->io.missing[0]
-        && scene_warn(in->scene, in->error, "mesh '%s': the materials in '%s' cannot be opened", in->path, in->io.missing))
+    if (in->io.missing[0] &&
+        scene_warn(in->scene, in->error, "mesh '%s': the materials in '%s' cannot be opened", in->path, in->io.missing))
         return -1;
     if (in->colours && scene_warn(in->scene, in->error, "mesh '%s': colours of vertices are not used", in->path))
         return -1;
@@ -317,8 +318,9 @@ static int add_file(import *in) {
     return warn(in);
 }
 
-int scene_add_mesh_file(feeler_scene *scene, const char *path, int material, int smooth, place place, feeler_error *error) {
-    import in = {.scene = scene, .path = path, .material = material, .smooth = smooth, .place = place, .error = error};
+int scene_add_mesh_file(feeler_scene *scene, const char *path, int material, int smooth, place place,
+                        feeler_error *error) {
+import in = {.scene = scene, .path = path, .material = material, .smooth = smooth, .place = place, .error = error };
     in.referenced = place.source != NULL;
     if (!in.referenced)
         in.place.source = scene_source(scene, path, error);

@@ -47,7 +47,8 @@ static struct aiFile *open_file(struct aiFileIO *calls, const char *path, const 
     struct aiFile *file = malloc(sizeof *file);
     FILE *stream = file && !strpbrk(mode, "wa+") ? fopen(path, "rb") : NULL;
     if (stream) {
-        *file = (struct aiFile){read_items, write_items, position_of, size_of, seek_to, flush, (aiUserData)(void *)stream};
+        *file =
+            (struct aiFile){read_items, write_items, position_of, size_of, seek_to, flush, (aiUserData)(void *)stream};
         return file;
     }
     io->out_of_memory |= !file;

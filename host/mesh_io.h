@@ -8,7 +8,7 @@
 typedef struct mesh_io {
     struct aiFileIO calls; /* to be given to assimp */
     bool out_of_memory;
-    char missing[512];     /* the first material library (.mtl) that could not be opened; empty: none */
+    char missing[512]; /* the first material library (.mtl) that could not be opened; empty: none */
 } mesh_io;
 
 /* The structure must stay where it is while assimp reads. */

@@ -53,7 +53,8 @@ static double number(const struct aiMaterial *m, const char *key, unsigned type,
 
 static vec3 colour(const struct aiMaterial *m, const char *key, unsigned type, unsigned index, vec3 otherwise) {
     struct aiColor4D value;
-    return aiGetMaterialColor(m, key, type, index, &value) == AI_SUCCESS ? (vec3){value.r, value.g, value.b} : otherwise;
+    return aiGetMaterialColor(m, key, type, index, &value) == AI_SUCCESS ? (vec3){value.r, value.g, value.b}
+                                                                         : otherwise;
 }
 
 static bool has(const struct aiMaterial *m, const char *key, unsigned type, unsigned index) {
@@ -70,7 +71,8 @@ static void set_phong(scene_material *m, const struct aiMaterial *source) {
     int illum = (int)clamped(number(source, ILLUM_KEY, 2), 0, 10);
     double opacity = clamped(number(source, AI_MATKEY_OPACITY, 1), 0, 1);
     vec3 filter = mtl ? clamped3(colour(source, AI_MATKEY_COLOR_TRANSPARENT, grey(1)), 1) : grey(1);
-    vec3 specular = scaled(colour(source, AI_MATKEY_COLOR_SPECULAR, grey(0)), number(source, AI_MATKEY_SHININESS_STRENGTH, 1));
+    vec3 specular =
+        scaled(colour(source, AI_MATKEY_COLOR_SPECULAR, grey(0)), number(source, AI_MATKEY_SHININESS_STRENGTH, 1));
     double shininess = number(source, AI_MATKEY_SHININESS, 0);
     m->ambient = clamped3(colour(source, AI_MATKEY_COLOR_AMBIENT, grey(0)), 1);
     m->diffuse = scaled(clamped3(colour(source, AI_MATKEY_COLOR_DIFFUSE, grey(0)), 1), opacity);
@@ -132,8 +134,8 @@ static bool is_made_up(const struct aiMaterial *source, const char *name) {
     vec3 white = colour(source, AI_MATKEY_COLOR_DIFFUSE, grey(1));
     if (*name)
         return strcmp(name, AI_DEFAULT_MATERIAL_NAME) == 0;
-    return white.x == 1 && white.y == 1 && white.z == 1 && number(source, AI_MATKEY_ROUGHNESS_FACTOR, 1) == 1
-           && number(source, AI_MATKEY_METALLIC_FACTOR, 1) == 1;
+    return white.x == 1 && white.y == 1 && white.z == 1 && number(source, AI_MATKEY_ROUGHNESS_FACTOR, 1) == 1 &&
+           number(source, AI_MATKEY_METALLIC_FACTOR, 1) == 1;
 }
 
 int mesh_material_set(scene_material *m, const struct aiMaterial *source, feeler_error *error) {

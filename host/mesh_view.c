@@ -23,8 +23,9 @@ static vec3 along(const axes *a, double right, double up, double front) {
 
 /* How far the meshes reach, seen along the view's axes. */
 typedef struct extent {
-    double near, far;                /* along `front` */
-    double right, left, top, bottom; /* greatest distance to that side plus slope times nearness: what a side of the frame touches */
+    double near, far; /* along `front` */
+    double right, left, top,
+        bottom; /* greatest distance to that side plus slope times nearness: what a side of the frame touches */
 } extent;
 
 static extent extent_of(const feeler_scene *scene, const axes *view, double slope_across, double slope_up) {

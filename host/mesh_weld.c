@@ -34,8 +34,8 @@ static bool equal(vec3 a, vec3 b) {
 /* A hash table of kept vertices, open addressing; a power of two slots. */
 typedef struct weld {
     const scene_mesh *from;
-    scene_mesh to;       /* vertices and normals with room for all */
-    uint32_t *slots;     /* an index into `to`, or nothing */
+    scene_mesh to;   /* vertices and normals with room for all */
+    uint32_t *slots; /* an index into `to`, or nothing */
     size_t slot_count;
 } weld;
 

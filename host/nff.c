@@ -11,22 +11,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TRY(call) \
-    do { \
-        if (call) \
-            return -1; \
+#define TRY(call)                                                                                                      \
+    do {                                                                                                               \
+        if (call)                                                                                                      \
+            return -1;                                                                                                 \
     } while (0)
 
-static const double brightest = 1e6;  /* of lights and background, as of every emission */
-static const double sharpest = 1e6;   /* greatest shininess */
-enum { widest = 65536 };              /* pixels a side */
+static const double brightest = 1e6; /* of lights and background, as of every emission */
+static const double sharpest = 1e6;  /* greatest shininess */
+enum { widest = 65536 };             /* pixels a side */
 
 typedef struct nff_reader {
     nff_text text;
     nff_fills fills;
     feeler_scene *scene;
     feeler_error *error;
-    int material;  /* of the fill in force; -1: none yet */
+    int material; /* of the fill in force; -1: none yet */
     bool has_view;
 } nff_reader;
 
@@ -267,9 +267,9 @@ typedef struct nff_entity {
 } nff_entity;
 
 static const nff_entity entities[] = {
-    {"v", read_view}, {"b", read_background}, {"l", read_light},   {"f", read_fill},
-    {"s", read_sphere}, {"c", read_cone},     {"p", read_polygon}, {"pp", read_patch},
-    {"hither", read_late_hither},
+    {"v", read_view},    {"b", read_background}, {"l", read_light},
+    {"f", read_fill},    {"s", read_sphere},     {"c", read_cone},
+    {"p", read_polygon}, {"pp", read_patch},     {"hither", read_late_hither},
 };
 
 static int read_entities(nff_reader *r) {

@@ -11,8 +11,8 @@ typedef struct nff_known_fill {
 } nff_known_fill;
 
 static bool equal(const nff_fill *a, const nff_fill *b) {
-    return a->r == b->r && a->g == b->g && a->b == b->b && a->kd == b->kd && a->ks == b->ks && a->shine == b->shine
-           && a->t == b->t && a->ior == b->ior;
+    return a->r == b->r && a->g == b->g && a->b == b->b && a->kd == b->kd && a->ks == b->ks && a->shine == b->shine &&
+           a->t == b->t && a->ior == b->ior;
 }
 
 static uint64_t mix(uint64_t hash, double value) {

@@ -9,11 +9,11 @@
 #include "scene.h"
 
 typedef struct nff_fill {
-    double r, g, b;     /* colour */
-    double kd, ks;      /* diffuse and specular share */
-    double shine;       /* Phong exponent; 0 or less: no highlight */
-    double t;           /* transmitted share */
-    double ior;         /* refractive index; 0 stands for 1 */
+    double r, g, b; /* colour */
+    double kd, ks;  /* diffuse and specular share */
+    double shine;   /* Phong exponent; 0 or less: no highlight */
+    double t;       /* transmitted share */
+    double ior;     /* refractive index; 0 stands for 1 */
 } nff_fill;
 
 /* Zeroed: empty. */

@@ -155,15 +155,16 @@ int nff_whole_number(nff_text *text, const char *what, int low, int high, int *v
 }
 
 int nff_vector(nff_text *text, const char *what, vec3 *value) {
-    return nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->x) || nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->y)
-                   || nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->z)
+    return nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->x) ||
+                   nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->y) ||
+                   nff_number(text, what, -HUGE_VAL, HUGE_VAL, &value->z)
                ? -1
                : 0;
 }
 
 int nff_colour(nff_text *text, const char *what, double high, vec3 *value) {
-    return nff_number(text, what, 0, high, &value->x) || nff_number(text, what, 0, high, &value->y)
-                   || nff_number(text, what, 0, high, &value->z)
+    return nff_number(text, what, 0, high, &value->x) || nff_number(text, what, 0, high, &value->y) ||
+                   nff_number(text, what, 0, high, &value->z)
                ? -1
                : 0;
 }

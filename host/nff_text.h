@@ -8,13 +8,13 @@
 #include "scene.h"
 
 typedef struct nff_text {
-    char *text;             /* owned; a zero byte follows it */
+    char *text; /* owned; a zero byte follows it */
     char *cursor, *end, *line_start;
     int line;
-    const char *source;     /* interned in the scene */
-    const char *word;       /* the word read last; not terminated */
-    size_t length;          /* of that word */
-    place place;            /* where that word is, or where the file ends */
+    const char *source; /* interned in the scene */
+    const char *word;   /* the word read last; not terminated */
+    size_t length;      /* of that word */
+    place place;        /* where that word is, or where the file ends */
     feeler_error *error;
 } nff_text;
 

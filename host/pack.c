@@ -226,7 +226,7 @@ static int pack_cone(packed *p, const scene_object *object, feeler_error *error)
     s->base_radius = pack_point(p, object->cone.base, object->cone.base_radius);
     s->u_height = pack4(p, u, height);
     s->v_slope = pack4(p, v, slope);
-    s->axis_top_radius = pack4(p, axis, object->cone.top_radius);
+    s->axis = pack4(p, axis, 0);
     vec3 base = xyz(s->base_radius), top = vec_add(base, vec_scale(axis, height));
     vec3 a = disc_reach(axis, object->cone.base_radius), b = disc_reach(axis, object->cone.top_radius);
     vec3 low = {fmin(base.x - a.x, top.x - b.x), fmin(base.y - a.y, top.y - b.y), fmin(base.z - a.z, top.z - b.z)};

@@ -95,31 +95,67 @@ static int fail_build(feeler_error *error, cl_program program, cl_device_id devi
     return -1;
 }
 
-int program_build(program *p, const feeler_device *device, const char *options, feeler_error *error) {
-    double start = seconds_now();
+static cl_program build(const feeler_device *device, const char *options, feeler_error *error) {
     cl_int status;
     const char *source = feeler_kernel_source();
-    memset(p, 0, sizeof *p);
-    p->program = clCreateProgramWithSource(device->context, 1, &source, NULL, &status);
-    if (status != CL_SUCCESS)
-        return fail_cl(error, "clCreateProgramWithSource", status);
-    status = clBuildProgram(p->program, 1, &device->id, options, NULL, NULL);
+    cl_program program = clCreateProgramWithSource(device->context, 1, &source, NULL, &status);
     if (status != CL_SUCCESS) {
-        fail_build(error, p->program, device->id, status);
-        goto failed;
+        fail_cl(error, "clCreateProgramWithSource", status);
+        return NULL;
+    }
+    status = clBuildProgram(program, 1, &device->id, options, NULL, NULL);
+    if (status == CL_SUCCESS)
+        return program;
+    fail_build(error, program, device->id, status);
+    clReleaseProgram(program);
+    return NULL;
+}
+
+/* Puts a program in the place of the oldest. Without memory for its options it is not kept, which only costs time. */
+static void keep(feeler_device *device, const char *options, cl_program program) {
+    built *place = &device->built[device->next_built];
+    char *copy = strdup(options);
+    if (!copy || clRetainProgram(program) != CL_SUCCESS) {
+        free(copy);
+        return;
+    }
+    if (place->program)
+        (void)clReleaseProgram(place->program);
+    free(place->options);
+    *place = (built){copy, program};
+    device->next_built = (device->next_built + 1) % MOST_BUILT;
+}
+
+static cl_program find_kept(const feeler_device *device, const char *options) {
+    for (int i = 0; i < MOST_BUILT; i++) {
+        const built *b = &device->built[i];
+        if (b->options && strcmp(b->options, options) == 0 && clRetainProgram(b->program) == CL_SUCCESS)
+            return b->program;
+    }
+    return NULL;
+}
+
+int program_build(program *p, feeler_device *device, const char *options, feeler_error *error) {
+    double start = seconds_now();
+    cl_int status;
+    memset(p, 0, sizeof *p);
+    p->program = find_kept(device, options);
+    if (!p->program) {
+        p->program = build(device, options, error);
+        if (!p->program)
+            return -1;
+        keep(device, options, p->program);
     }
     p->render = clCreateKernel(p->program, "render", &status);
     if (status == CL_SUCCESS)
         p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateKernel", status);
-        goto failed;
+        program_free(p);
+        return -1;
     }
     p->seconds = seconds_now() - start;
     return 0;
-failed:
-    program_free(p);
-    return -1;
 }
 
 void program_free(program *p) {

@@ -18,7 +18,8 @@ int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, fe
 /* The build options for resolved settings and what a scene needs. To be freed. */
 char *program_options(const feeler_settings *resolved, uint32_t features, int media, feeler_error *error);
 
-int program_build(program *program, const feeler_device *device, const char *options, feeler_error *error);
+/* Builds, or takes what the device has built before. */
+int program_build(program *program, feeler_device *device, const char *options, feeler_error *error);
 void program_free(program *program);
 
 /* About how much of a CPU thread's stack one work-item takes, in bytes. */

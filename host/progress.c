@@ -1,12 +1,12 @@
 /* progress.c - the line that shows how far a render is, and Ctrl-C. */
 #include "progress.h"
+#include "clock.h"
 
 #include "cmd.h"
 
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 /* ---- signals ---- */
@@ -34,12 +34,6 @@ bool progress_interrupted(void) {
 }
 
 /* ---- the line ---- */
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 void progress_begin(progress *p, const char *name, bool shown) {
     *p = (progress){.name = name, .shown = shown && report_on_terminal(), .start = seconds_now()};

@@ -1,5 +1,6 @@
 /* scene.c - the life of a scene: made with defaults, appended to, loaded by its file's ending, freed. */
 #include "scene.h"
+#include "clock.h"
 #include "schema.h"
 
 #include <errno.h>
@@ -9,7 +10,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <time.h>
 
 feeler_scene *scene_new(feeler_error *error) {
     feeler_scene *scene = calloc(1, sizeof *scene);
@@ -146,12 +146,6 @@ static char *bare_name(const char *path) {
     const char *name = slash ? slash + 1 : path;
     const char *dot = strrchr(name, '.');
     return strndup(name, dot && dot != name ? (size_t)(dot - name) : strlen(name));
-}
-
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /* Readers differ in what they say of a file that is not there; this says it once, for all. */

@@ -24,20 +24,20 @@ typedef struct place {
 
 /* Symbols are those of the model (16.20, 16.12). Reflectances are 0 … 1, emission 0 … 1e6. */
 typedef struct scene_material {
-    char *name;                  /* owned; may be NULL */
-    vec3 ambient;                /* c_a */
-    vec3 diffuse;                /* c_d */
-    vec3 specular;               /* c_s */
-    vec3 diffuse_transmission;   /* c_td */
-    vec3 specular_transmission;  /* c_ts */
-    vec3 emission;               /* I_e */
-    vec3 reflection;             /* rho_rg */
-    vec3 transmission;           /* rho_tg */
-    double shininess;            /* f, 0 < f <= 1e6 */
-    double ior;                  /* refractive index, 0.1 … 10 */
-    double priority;             /* of the medium; the highest counts, equal ones by order of entry */
-    bool total_reflection;       /* extension: on total internal reflection the reflection carries rho_rg + rho_tg */
-    bool fresnel;                /* extension: Fresnel weights */
+    char *name;                 /* owned; may be NULL */
+    vec3 ambient;               /* c_a */
+    vec3 diffuse;               /* c_d */
+    vec3 specular;              /* c_s */
+    vec3 diffuse_transmission;  /* c_td */
+    vec3 specular_transmission; /* c_ts */
+    vec3 emission;              /* I_e */
+    vec3 reflection;            /* rho_rg */
+    vec3 transmission;          /* rho_tg */
+    double shininess;           /* f, 0 < f <= 1e6 */
+    double ior;                 /* refractive index, 0.1 … 10 */
+    double priority;            /* of the medium; the highest counts, equal ones by order of entry */
+    bool total_reflection;      /* extension: on total internal reflection the reflection carries rho_rg + rho_tg */
+    bool fresnel;               /* extension: Fresnel weights */
     place place;
 } scene_material;
 
@@ -65,9 +65,9 @@ enum { BOTH_SIDES, FRONT_ONLY, BACK_ONLY }; /* which side of a surface is seen; 
 
 typedef struct scene_mesh {
     size_t vertex_count, triangle_count;
-    vec3 *vertices;                /* owned */
-    vec3 *normals;                 /* owned, one per vertex, unit length; NULL: flat */
-    uint32_t *indices;             /* owned, three per triangle, counter-clockwise from the front */
+    vec3 *vertices;    /* owned */
+    vec3 *normals;     /* owned, one per vertex, unit length; NULL: flat */
+    uint32_t *indices; /* owned, three per triangle, counter-clockwise from the front */
 } scene_mesh;
 
 typedef struct scene_object {
@@ -76,21 +76,41 @@ typedef struct scene_object {
     int material; /* index into the scene's materials */
     place place;
     union {
-        struct { vec3 centre; double radius; } sphere;
-        struct { vec3 point, normal; } plane;                 /* unit normal; behind it is inside */
-        struct { vec3 centre, normal; double radius; } disc;
-        struct { vec3 low, high; } box;                       /* axis-aligned; a turned box is loaded as a mesh */
-        struct { vec3 corners[3], normals[3]; bool smooth; } triangle;
-        struct { vec3 *corners; size_t count; } polygon;      /* owned; planar; counter-clockwise from the front */
-        struct { vec3 base, top; double base_radius, top_radius; bool capped; } cone; /* a cylinder has equal radii */
+        struct {
+            vec3 centre;
+            double radius;
+        } sphere;
+        struct {
+            vec3 point, normal;
+        } plane; /* unit normal; behind it is inside */
+        struct {
+            vec3 centre, normal;
+            double radius;
+        } disc;
+        struct {
+            vec3 low, high;
+        } box; /* axis-aligned; a turned box is loaded as a mesh */
+        struct {
+            vec3 corners[3], normals[3];
+            bool smooth;
+        } triangle;
+        struct {
+            vec3 *corners;
+            size_t count;
+        } polygon; /* owned; planar; counter-clockwise from the front */
+        struct {
+            vec3 base, top;
+            double base_radius, top_radius;
+            bool capped;
+        } cone; /* a cylinder has equal radii */
         scene_mesh mesh;
     };
 } scene_object;
 
 typedef struct scene_camera {
     vec3 eye, look_at, up;
-    double fov;            /* vertical, degrees, 0 < fov < 180 */
-    bool spans_centres;    /* NFF: the angle spans the first to the last pixel's centres */
+    double fov;         /* vertical, degrees, 0 < fov < 180 */
+    bool spans_centres; /* NFF: the angle spans the first to the last pixel's centres */
     place place;
 } scene_camera;
 
@@ -138,7 +158,8 @@ feeler_scene *scene_read_mesh(const char *path, feeler_error *error);
 
 /* Loads a mesh file through assimp and appends its meshes as objects of the scene (and its materials, when `material` is
  * negative). `smooth`: 1 keep the file's normals or make smooth ones, 0 flat, -1 the file's normals if it has them. */
-int scene_add_mesh_file(feeler_scene *scene, const char *path, int material, int smooth, place place, feeler_error *error);
+int scene_add_mesh_file(feeler_scene *scene, const char *path, int material, int smooth, place place,
+                        feeler_error *error);
 
 /* error.c: fills the error if it is still empty; returns -1 so that `return fail(…)` reads well. */
 int fail(feeler_error *error, int code, const char *format, ...) __attribute__((format(printf, 3, 4)));

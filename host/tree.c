@@ -182,7 +182,7 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[FIELDS_
         PUT3(s->base_radius);
         PUT3(s->u_height);
         PUT3(s->v_slope);
-        PUT3(s->axis_top_radius);
+        PUT3(s->axis);
         fields[n++] = s->base_radius.w;
         fields[n++] = s->u_height.w;
         fields[n++] = s->v_slope.w;

@@ -1,4 +1,5 @@
 /* yaml.c - libyaml's events into nodes that keep their line and column. */
+#include "yaml_lines.h"
 #include "yaml_nodes.h"
 
 #include <errno.h>
@@ -39,8 +40,9 @@ typedef struct builder {
     int depth;
     anchor *anchors;
     int anchor_count;
-    size_t weight;   /* nodes so far, aliases counted as what they stand for */
-    size_t expanded; /* of those, by aliases */
+    size_t weight;     /* nodes so far, aliases counted as what they stand for */
+    size_t expanded;   /* of those, by aliases */
+    yaml_lines *lines; /* what was read without libyaml, or NULL */
 } builder;
 
 static place mark_place(const builder *b, yaml_mark_t mark) {
@@ -170,8 +172,24 @@ static int close_level(builder *b) {
     return top->anchor ? remember_anchor(b, top->anchor, top->node, b->weight - top->weight_before) : 0;
 }
 
+/* Puts the items of lines that yaml_lines_read has read where their alias is: only a list has such items. */
+static int take_run(builder *b, const yaml_run *run) {
+    if (b->depth == 0 || b->levels[b->depth - 1].node->kind != NODE_LIST)
+        return -1;
+    for (feeler_node *node = run->first, *next; node; node = next) {
+        next = node->next;
+        node->next = NULL;
+        place_node(b, node);
+    }
+    b->weight += run->weight;
+    return 0;
+}
+
 static int take_alias(builder *b, const yaml_event_t *event) {
     const char *name = (const char *)event->data.alias.anchor;
+    yaml_run run = b->lines ? yaml_lines_take(b->lines, name) : (yaml_run){NULL, 0};
+    if (run.first)
+        return take_run(b, &run);
     place here = mark_place(b, event->start_mark);
     if (awaits_key(b))
         return fail_at(b->error, FEELER_BAD_INPUT, here, "a key must be a text");
@@ -273,7 +291,7 @@ static int check_text(const char *source, const char *text, size_t size, feeler_
     return 0;
 }
 
-/* The whole file, to be freed, or NULL. */
+/* The whole file with a zero byte behind it, to be freed, or NULL. */
 static char *read_file(const char *path, const char *source, size_t *size, feeler_error *error) {
     place at = {source, 0, 0};
     FILE *file = fopen(path, "rb");
@@ -284,7 +302,7 @@ static char *read_file(const char *path, const char *source, size_t *size, feele
     char *text = NULL;
     size_t capacity = 0, used = 0, got;
     do {
-        if (used == capacity) {
+        if (capacity - used < 2) {
             capacity = capacity ? capacity * 2 : 1 << 16;
             char *moved = realloc(text, capacity);
             if (!moved) {
@@ -293,7 +311,7 @@ static char *read_file(const char *path, const char *source, size_t *size, feele
             }
             text = moved;
         }
-        got = fread(text + used, 1, capacity - used, file);
+        got = fread(text + used, 1, capacity - used - 1, file);
         used += got;
     } while (got > 0);
     if (ferror(file)) {
@@ -301,6 +319,7 @@ static char *read_file(const char *path, const char *source, size_t *size, feele
         goto failed;
     }
     fclose(file);
+    text[used] = '\0';
     *size = used;
     return text;
 failed:
@@ -309,22 +328,38 @@ failed:
     return NULL;
 }
 
+/* The root of a text, or NULL. */
+static const feeler_node *build(const char *text, size_t size, yaml_lines *lines, const char *source, node_pool *pool,
+                                feeler_error *error) {
+    builder b = {.pool = pool, .source = source, .error = error, .lines = lines};
+    yaml_parser_t parser;
+    if (!yaml_parser_initialize(&parser)) {
+        out_of_memory(&b);
+        return NULL;
+    }
+    yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
+    int status = read_events(&b, &parser, text, size);
+    yaml_parser_delete(&parser);
+    free_anchors(&b);
+    return status == 0 ? b.root : NULL;
+}
+
 const feeler_node *yaml_read_file(const char *path, const char *source, node_pool *pool, feeler_error *error) {
     size_t size;
     char *text = read_file(path, source, &size, error);
     if (!text)
         return NULL;
-    builder b = {.pool = pool, .source = source, .error = error};
-    yaml_parser_t parser;
+    const feeler_node *root = NULL;
+    yaml_lines lines;
     int status = check_text(source, text, size, error);
-    if (status == 0 && !yaml_parser_initialize(&parser)) {
-        status = out_of_memory(&b);
-    } else if (status == 0) {
-        yaml_parser_set_input_string(&parser, (const unsigned char *)text, size);
-        status = read_events(&b, &parser, text, size);
-        yaml_parser_delete(&parser);
+    if (status == 0 && yaml_lines_read(text, size, pool, &lines)) {
+        root = build(lines.text, lines.size, &lines, source, pool, NULL);
+        if (!yaml_lines_done(&lines))
+            root = NULL;
+        yaml_lines_free(&lines);
     }
-    free_anchors(&b);
+    if (status == 0 && !root)
+        root = build(text, size, NULL, source, pool, error);
     free(text);
-    return status == 0 ? b.root : NULL;
+    return root;
 }

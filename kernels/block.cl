@@ -61,7 +61,7 @@ hit take_crossings(ray r, ints active, hit best, crossing c, vectors low, vector
     if (!any_lane(c.found))
         return best;
     c = clamp_crossing(r, low, high, c);
-    const hit found = nearer(best, active, c, numbers);
+    const hit found = nearer(r, best, active, c, numbers);
 #if RAYS == 1
     return any_lane(found.primitive != best.primitive) ? nearest_lane(found) : best;
 #else
@@ -70,63 +70,73 @@ hit take_crossings(ray r, ints active, hit best, crossing c, vectors low, vector
 }
 
 #if HAS_SPHERE
-hit try_spheres(ray r, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_spheres(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = load_numbers(numbers, k);
+        const ray r = face_primitive(around, number);
         const crossing c = intersect_sphere(r, load_fields(block, 0, k), load_field(block, 3, k), flags);
         best = take_crossings(r, active, best, c, load_fields(block, 4, k), load_fields(block, 7, k),
-                              load_numbers(numbers, k));
+                              number);
     }
     return best;
 }
 #endif
 
 #if HAS_DISC
-hit try_discs(ray r, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_discs(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = load_numbers(numbers, k);
+        const ray r = face_primitive(around, number);
         const crossing c =
             intersect_disc(r, load_fields(block, 0, k), load_fields(block, 4, k), load_field(block, 3, k), flags);
         best = take_crossings(r, active, best, c, load_fields(block, 7, k), load_fields(block, 10, k),
-                              load_numbers(numbers, k));
+                              number);
     }
     return best;
 }
 #endif
 
 #if HAS_BOX
-hit try_boxes(ray r, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_boxes(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = load_numbers(numbers, k);
+        const ray r = face_primitive(around, number);
         const vectors low = load_fields(block, 0, k), high = load_fields(block, 3, k);
-        best = take_crossings(r, active, best, intersect_box(r, low, high, flags), low, high, load_numbers(numbers, k));
+        best = take_crossings(r, active, best, intersect_box(r, low, high, flags), low, high, number);
     }
     return best;
 }
 #endif
 
 #if HAS_TRIANGLE
-hit try_triangles(ray r, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_triangles(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = load_numbers(numbers, k);
+        const ray r = face_primitive(around, number);
         const vectors a = load_fields(block, 0, k), b = load_fields(block, 3, k), c = load_fields(block, 6, k);
         const crossing x = intersect_triangle(r, a, b, c, flags);
         const vectors low = least_xyz(least_xyz(a, b), c), high = greatest_xyz(greatest_xyz(a, b), c);
-        best = take_crossings(r, active, best, x, low, high, load_numbers(numbers, k));
+        best = take_crossings(r, active, best, x, low, high, number);
     }
     return best;
 }
 #endif
 
 #if HAS_CONE
-hit try_cones(ray r, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_cones(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = load_numbers(numbers, k);
+        const ray r = face_primitive(around, number);
         frustum f;
         f.base = load_fields(block, 0, k);
         f.u = load_fields(block, 3, k);
@@ -136,7 +146,7 @@ hit try_cones(ray r, ints active, hit best, global const real *block, global con
         f.height = load_field(block, 13, k);
         f.slope = load_field(block, 14, k);
         best = take_crossings(r, active, best, intersect_cone(r, f, flags), load_fields(block, 15, k),
-                              load_fields(block, 18, k), load_numbers(numbers, k));
+                              load_fields(block, 18, k), number);
     }
     return best;
 }
@@ -144,12 +154,13 @@ hit try_cones(ray r, ints active, hit best, global const real *block, global con
 
 #if HAS_POLYGON
 // Polygons have too many corners to go side by side: one after another, where its bounds are met.
-hit try_polygons(const scene *s, ray r, ints active, hit best, global const real *block, global const uint *numbers,
+hit try_polygons(const scene *s, ray around, ints active, hit best, global const real *block, global const uint *numbers,
                  uint flags) {
     for (uint k = 0; k < WIDTH; k++) {
-        const uint number = numbers[k];
-        if (k > 0 && number == numbers[k - 1])
+        if (k > 0 && numbers[k] == numbers[k - 1])
             break;
+        const ints number = whole(numbers[k]);
+        const ray r = face_primitive(around, number);
         const vectors low = make_vectors(splat(block[k]), splat(block[WIDTH + k]), splat(block[2 * WIDTH + k]));
         const vectors high =
             make_vectors(splat(block[3 * WIDTH + k]), splat(block[4 * WIDTH + k]), splat(block[5 * WIDTH + k]));
@@ -157,12 +168,12 @@ hit try_polygons(const scene *s, ray r, ints active, hit best, global const real
         const ints met = active & (i.near <= i.far) & (i.far > splat(0)) & (i.near <= best.distance);
         if (!any_ray(met))
             continue;
-        const uint index = s->primitives[number].y;
+        const uint index = s->primitives[numbers[k]].y;
         const uint4 range = s->polygon_ranges[index];
         const polygon p = s->polygons[index];
         const crossing c =
             intersect_polygon(r, s->corners + range.x, range.y, splat_xyz(p.point), splat_xyz(p.normal), flags);
-        best = nearer(best, met, clamp_crossing(r, low, high, c), whole(number));
+        best = nearer(r, best, met, clamp_crossing(r, low, high, c), number);
     }
     return best;
 }

@@ -2,7 +2,7 @@
 
 crossing intersect_box(ray r, vectors low, vectors high, uint flags) {
     const interval i = intersect_bounds(r, low, high);
-    return first_ahead(i.near <= i.far, i.near, i.far, flags);
+    return first_ahead(r, i.near <= i.far, i.near, i.far, flags);
 }
 
 // The face hit is the one whose plane is nearest to the point, in units of what can be told apart there; its coordinate is

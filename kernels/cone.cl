@@ -2,19 +2,18 @@
 
 typedef struct {
     vectors base, u, v, axis;
-    reals radius, slope, height, top_radius;
+    reals radius, slope, height;
 } frustum;
 
-frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis_top_radius) {
+frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis) {
     frustum f;
     f.base = base_radius.xyz;
     f.u = u_height.xyz;
     f.v = v_slope.xyz;
-    f.axis = axis_top_radius.xyz;
+    f.axis = axis.xyz;
     f.radius = base_radius.w;
     f.height = u_height.w;
     f.slope = v_slope.w;
-    f.top_radius = axis_top_radius.w;
     return f;
 }
 
@@ -64,11 +63,11 @@ chord intersect_double_cone(vectors o, vectors d, reals radius, reals change) {
 #define PART_TOP 2
 
 // A capped cone is where the double cone's and the two planes' intervals overlap: side and caps meet without a seam.
-crossing intersect_capped(chord k, interval height, ints rising, ints widening, uint flags) {
+crossing intersect_capped(ray r, chord k, interval height, ints rising, ints widening, uint flags) {
     const reals first = k.steep ? (widening ? k.last : splat(-INFINITY)) : k.first;
     const reals last = k.steep ? (widening ? splat(INFINITY) : k.first) : k.last;
     const reals enter = max(first, height.near), leave = min(last, height.far);
-    crossing c = first_ahead(k.found & (enter <= leave), enter, leave, flags);
+    crossing c = first_ahead(r, k.found & (enter <= leave), enter, leave, flags);
     const ints entering = c.distance == enter;
     const ints side = entering ? first >= height.near : last <= height.far;
     c.u = side ? splat(PART_SIDE) : (entering == rising ? splat(PART_BASE) : splat(PART_TOP));
@@ -76,12 +75,12 @@ crossing intersect_capped(chord k, interval height, ints rising, ints widening, 
 }
 
 // An open one is its side alone: the first of the two crossings that is ahead, within the height and seen.
-crossing intersect_open(chord k, interval height, uint flags) {
+crossing intersect_open(ray r, chord k, interval height, uint flags) {
     const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
     const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
     const ints first =
-        (k.steep ? back : front) & (k.first > splat(0)) & (k.first >= height.near) & (k.first <= height.far);
-    const ints last = (k.steep ? front : back) & (k.last > splat(0)) & (k.last >= height.near) & (k.last <= height.far);
+        (k.steep ? back : front) & is_ahead(r, k.first) & (k.first >= height.near) & (k.first <= height.far);
+    const ints last = (k.steep ? front : back) & is_ahead(r, k.last) & (k.last >= height.near) & (k.last <= height.far);
     crossing c;
     c.found = k.found & (first | last);
     c.distance = first ? k.first : k.last;
@@ -100,8 +99,8 @@ crossing intersect_cone(ray r, frustum f, uint flags) {
     height.near = min(base, top);
     height.far = max(base, top);
     if (flags & FLAG_CAPPED)
-        return intersect_capped(k, height, d.z > splat(0), change > splat(0), flags);
-    return intersect_open(k, height, flags);
+        return intersect_capped(r, k, height, d.z > splat(0), change > splat(0), flags);
+    return intersect_open(r, k, height, flags);
 }
 
 // The point is put back onto the part that was hit, in the cone's frame. Errors: the frame's three products and sums, the

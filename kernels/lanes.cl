@@ -138,6 +138,11 @@ vectors splat_xyz(real4 v) {
     return make_vectors(splat(v.x), splat(v.y), splat(v.z));
 }
 
+quads splat_quads(real4 v) {
+    quads q = {splat_xyz(v), splat(v.w)};
+    return q;
+}
+
 vectors add(vectors a, vectors b) {
     return make_vectors(a.x + b.x, a.y + b.y, a.z + b.z);
 }

@@ -74,27 +74,33 @@ reals index_of(const scene *s, ints material) {
     return material < 0 ? splat(1) : index;
 }
 
-// What a ray passes at a surface of a transmitting material: eta = eta_v / eta_t, the media behind, and whether the
-// boundary is there at all (a medium of higher priority may hide it).
+// What a ray passes at a surface of a transmitting material: the media before (the one that counts) and behind,
+// eta = eta_v / eta_t, and whether the boundary is there at all: a medium of higher priority may hide it.
 typedef struct {
     reals eta;
+    ints here, visible;
     media behind;
-    ints visible;
 } boundary;
 
 // Leaving what was never entered (an open surface, met from its back) is as leaving it for the medium that counts.
 boundary cross_boundary(const scene *s, media in, ints material, ints entering) {
     const ints known = entering | contains_medium(in, material);
-    const media behind = choose_media(entering, enter_medium(in, material), leave_medium(in, material));
-    const ints here = dominant(s, in), there = dominant(s, behind);
+    const ints full = entering & (in.material[MEDIA - 1] >= 0); // the list takes no more, but the surface bends
     boundary b;
-    b.behind = behind;
-    b.visible = !known | (entering ? there == material : here == material);
-    b.eta = index_of(s, known ? here : material) / index_of(s, there);
-    // A list that was full took no entry; the surface bends all the same.
-    const ints full = entering & (in.material[MEDIA - 1] >= 0);
-    b.visible |= full;
-    b.eta = full ? index_of(s, here) / index_of(s, material) : b.eta;
+    b.behind = choose_media(entering, enter_medium(in, material), leave_medium(in, material));
+    b.here = known ? dominant(s, in) : material;
+    const ints there = full ? material : dominant(s, b.behind);
+    b.visible = !known | full | (entering ? there == material : b.here == material);
+    b.eta = index_of(s, b.here) / index_of(s, there);
+    return b;
+}
+
+// The same boundary when it is also one of another material's, at the same place.
+boundary merge_boundary(const scene *s, boundary b, ints material, ints entering) {
+    b.behind = choose_media(entering, enter_medium(b.behind, material), leave_medium(b.behind, material));
+    const ints there = dominant(s, b.behind);
+    b.visible = b.here != there;
+    b.eta = index_of(s, b.here) / index_of(s, there);
     return b;
 }
 
@@ -103,6 +109,7 @@ boundary meet_opaque(const scene *s, media in, ints material, ints entering) {
     const reals around = index_of(s, dominant(s, in)), own = index_of(s, material);
     boundary b;
     b.eta = entering ? around / own : own / around;
+    b.here = material;
     b.behind = in;
     b.visible = mask(true);
     return b;
@@ -110,6 +117,7 @@ boundary meet_opaque(const scene *s, media in, ints material, ints entering) {
 
 boundary choose_boundary(ints m, boundary a, boundary b) {
     a.eta = m ? a.eta : b.eta;
+    a.here = m ? a.here : b.here;
     a.visible = m ? a.visible : b.visible;
     a.behind = choose_media(m, a.behind, b.behind);
     return a;

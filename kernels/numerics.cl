@@ -44,16 +44,20 @@ vectors spawn(vectors p, vectors error, vectors n) {
 #define LOG_TERMS 12
 #define EXP_TERMS 14
 #define LOG_LOW R(4.0710547481862064099e-17)
+#define THIRD_LOW R(5.0577616648125906047e-17)
 #elif defined(DRAFT)
 #define LOG_TERMS 3
 #define EXP_TERMS 5
 #define LOG_LOW R(0)
+#define THIRD_LOW R(0)
 #else
 #define LOG_TERMS 6
 #define EXP_TERMS 8
 #define LOG_LOW R(3.8519259822532349362e-8)
+#define THIRD_LOW R(-7.028461650952758546e-9)
 #endif
-#define LOG_HIGH R(2.8853900817779268147198493620038) // 2 / ln 2, its nearest real; LOG_LOW is the rest
+#define LOG_HIGH R(2.8853900817779268147198493620038)     // 2 / ln 2, its nearest real; LOG_LOW is the rest
+#define THIRD_HIGH R(0.961796693925975604906616454001261) // a third of it
 
 // base^exponent for 0 <= base and 0 < exponent: the one pow of every kernel. Powers under the least normal number are 0.
 //
@@ -68,14 +72,22 @@ reals power(reals base, reals exponent) {
     const reals f = m - R(1), g = m + R(1);
     const reals s = f / g;
     const reals rest = (fma(-s, g, f) - s * (m - (g - R(1)))) / g; // what s lacks, g's rounding included
-    const reals q = s * s;
+    // 2/ln2 (s + s^3/3), each product with what its rounding lost: errors here are magnified by the exponent.
+    const reals q = s * s, cube = q * s;
+    const reals first = LOG_HIGH * s, second = THIRD_HIGH * cube;
+    const reals q_rest = fma(s, s, -q) + R(2) * s * rest, cube_rest = fma(q, s, -cube) + (q_rest * s + q * rest);
+    const reals second_rest = fma(splat(THIRD_HIGH), cube, -second) + (THIRD_LOW * cube + THIRD_HIGH * cube_rest);
+    const reals both = first + second;
     reals series = splat(0);
-    for (int k = LOG_TERMS; k > 0; k--)
+    for (int k = LOG_TERMS; k > 1; k--)
         series = fma(series, q, splat(LOG_HIGH / R(2 * k + 1)));
-    const reals first = LOG_HIGH * s;
-    const reals low = fma(splat(LOG_HIGH), s, -first) + (LOG_LOW * s + (LOG_HIGH * rest + series * (q * s)));
-    const reals log_high = e + first;
-    const reals log_low = (first - (log_high - e)) + low;
+    const reals first_rest = fma(splat(LOG_HIGH), s, -first) + (LOG_LOW * s + LOG_HIGH * rest);
+    const reals both_rest = (second - (both - first)) + (first_rest + second_rest);
+    const reals low = fma(series, q * cube, both_rest);
+    const reals sum_high = e + both;
+    const reals sum_low = (both - (sum_high - e)) + low;
+    const reals log_high = sum_high + sum_low;
+    const reals log_low = sum_low - (log_high - sum_high);
 
     const reals y = exponent * log_high;
     const reals y_low = fma(exponent, log_high, -y) + exponent * log_low;

@@ -44,18 +44,14 @@ typedef struct {
 // Extension: what a feeler crosses lets its rho_tg through, once per surface, nearest first.
 vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active) {
     vectors share = where(active, splat_xyz((real4)(1)));
-    while (any_ray(active)) {
-        const ray r = make_ray(origin, direction);
+    for (ray r = make_ray(origin, direction); any_ray(active);) {
         const hit h = traverse(s, r, active, limit, false);
         active &= h.primitive >= 0;
         const identity id = identify(s, active, h);
-        const surface f = find_surface(s, r, h, active, id);
         const vectors passes = GATHER(s->materials, active ? id.material : whole(0), transmission).xyz;
         share = choose(active, mul(share, passes), share);
         active &= largest(share) > splat(0);
-        const ints outwards = dot3(direction, f.normal) > splat(0);
-        origin = spawn(f.point, f.error, choose(outwards, f.normal, negate(f.normal)));
-        limit -= h.distance;
+        r = step_beyond(r, h, active);
     }
     return share;
 }

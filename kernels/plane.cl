@@ -20,7 +20,7 @@ surface surface_plane(ray r, reals distance, vectors point, vectors normal) {
     surface s;
     const vectors p = along(r.origin, r.direction, distance);
     s.point = along(p, normal, -dot3(normal, sub(p, point)));
-    s.error = scale(add(absolute(s.point), absolute(point)), splat(GAMMA(5)));
+    s.error = scale(add(add(absolute(s.point), absolute(p)), absolute(point)), splat(GAMMA(5)));
     s.normal = s.shading = normal;
     return s;
 }

@@ -144,7 +144,7 @@ surface find_surface(const scene *s, ray r, hit h, ints active, identity id) {
     if (any_ray(m)) {
         const ints i = INDEX_OF(m);
         const frustum cone = make_frustum(GATHER(s->cones, i, base_radius), GATHER(s->cones, i, u_height),
-                                          GATHER(s->cones, i, v_slope), GATHER(s->cones, i, axis_top_radius));
+                                          GATHER(s->cones, i, v_slope), GATHER(s->cones, i, axis));
         f = choose_surface(m, surface_cone(r, h.distance, h.u, cone), f);
     }
 #endif

@@ -7,9 +7,15 @@ typedef struct {
     reals x, y, z;
 } shear;
 
+// Rays that go through surfaces step from hit to hit: what comes next is farther than `least`, or as far and of a higher
+// primitive number than the last; `again` says of the primitive at hand that its number is higher.
+#define STEPS (HAS_TRANSMISSION || HAS_FILTERED_SHADOWS)
+
 typedef struct {
     vectors origin, direction, inverse;
     shear shear;
+    reals least;
+    ints last, again;
 } ray; // direction of length 1
 
 // The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
@@ -49,6 +55,9 @@ ray make_ray(vectors origin, vectors direction) {
     ray r;
     r.origin = origin;
     r.direction = direction;
+    r.least = splat(0);
+    r.last = whole(-1);
+    r.again = mask(false);
     r.inverse = make_vectors(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
 #if HAS_TRIANGLE || HAS_POLYGON
     const vectors size = absolute(direction);
@@ -89,12 +98,38 @@ crossing clamp_crossing(ray r, vectors low, vectors high, crossing c) {
     return c;
 }
 
+// The same ray with one primitive at hand.
+ray face_primitive(ray r, ints number) {
+#if STEPS
+    r.again = (r.last >= 0) & (r.last < number);
+#endif
+    return r;
+}
+
+// Whether the ray has this distance still before it.
+ints is_ahead(ray r, reals distance) {
+#if STEPS
+    return (distance > r.least) | (r.again & (distance == r.least));
+#else
+    return distance > splat(0);
+#endif
+}
+
+#if STEPS
+// The ray beyond a hit, for the active lanes.
+ray step_beyond(ray r, hit h, ints active) {
+    r.least = active ? h.distance : r.least;
+    r.last = active ? h.primitive : r.last;
+    return r;
+}
+#endif
+
 // Which of a convex solid's two crossings counts: the first ahead of the origin whose side is seen. A ray enters through
 // the front and leaves through the back.
-crossing first_ahead(ints found, reals enter, reals leave, uint flags) {
+crossing first_ahead(ray r, ints found, reals enter, reals leave, uint flags) {
     const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
     const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
-    const ints entering = front & (enter > splat(0));
+    const ints entering = front & is_ahead(r, enter);
     crossing c;
     c.found = found & (entering | back);
     c.distance = entering ? enter : leave;
@@ -103,8 +138,8 @@ crossing first_ahead(ints found, reals enter, reals leave, uint flags) {
 }
 
 // The nearer of two; equal distances go to the lower primitive number.
-hit nearer(hit best, ints active, crossing c, ints number) {
-    const ints better = active & c.found & (c.distance > splat(0)) &
+hit nearer(ray r, hit best, ints active, crossing c, ints number) {
+    const ints better = active & c.found & is_ahead(r, c.distance) &
                         ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
     best.distance = better ? c.distance : best.distance;
     best.primitive = better ? number : best.primitive;

@@ -60,11 +60,9 @@ kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const lau
     for (int i = 0; i < MEDIA; i++)
         eye_media[i] = -1;
 #if HAS_TRANSMISSION
-    vectors origin = splat_xyz(views[0].eye);
     const vectors direction = normalise(make_vectors(splat(R(0.5377)), splat(R(0.7331)), splat(R(0.4168))));
     media entered = no_media();
-    for (;;) {
-        const ray r = make_ray(origin, direction);
+    for (ray r = make_ray(splat_xyz(views[0].eye), direction);;) {
         const hit h = closest_hit(&s, r, mask(true));
         ints number = h.primitive;
         if (INT_LANE(number, 0) < 0)
@@ -85,7 +83,7 @@ kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const lau
                 eye_media[0] = INT_LANE(id.material, 0);
             }
         }
-        origin = spawn(f.point, f.error, choose(outwards, f.normal, negate(f.normal)));
+        r = step_beyond(r, h, mask(true));
     }
 #endif
 }

@@ -12,7 +12,7 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
     const reals discriminant = a * ((radius - apart) * (radius + apart));
     const reals q = b + copysign(sqrt(max(discriminant, splat(0))), b);
     const reals s = c / q, t = q / a;
-    return first_ahead((discriminant >= splat(0)) | (c < splat(0)), min(s, t), max(s, t), flags);
+    return first_ahead(r, (discriminant >= splat(0)) | (c < splat(0)), min(s, t), max(s, t), flags);
 }
 
 surface surface_sphere(ray r, reals distance, vectors centre, reals radius) {

@@ -38,19 +38,47 @@ ints transmits(const scene *s, ints material) {
     return is_positive(GATHER(s->materials, material, transmission).xyz);
 }
 
-encounter meet(const scene *s, packet p, ints active) {
+#if HAS_TRANSMISSION
+// How far from a hit, per coordinate, another surface may be and still be at the same place: both points' errors, twice.
+vectors blur_of(surface f) {
+    return scale(add(f.error, scale(absolute(f.point), splat(GAMMA(12)))), splat(4));
+}
+
+// What lies where a medium ends is met together with its boundary: a ray that starts behind would not find it. Another
+// medium's boundary makes one boundary with it; an opaque surface hides it.
+encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints active) {
+    const reals slope = max(fabs(dot3(e.f.normal, p.direction)), splat(R(0x1p-6)));
+    const reals limit = (e.h.distance + dot3(absolute(e.f.normal), blur_of(e.f)) / slope) * (R(1) + R(4) * UNIT);
+    while (any_ray(active)) {
+        r = step_beyond(r, e.h, active);
+        const hit h = traverse(s, r, active, limit, false);
+        active &= h.primitive >= 0;
+        const identity id = identify(s, active, h);
+        const surface f = find_surface(s, r, h, active, id);
+        const ints medium = transmits(s, id.material);
+        e.b.visible &= !active | medium;
+        active &= medium;
+        const boundary both = merge_boundary(s, e.b, id.material, dot3(f.normal, p.direction) < splat(0));
+        e.b = choose_boundary(active, both, e.b);
+        e.h.distance = active ? h.distance : e.h.distance;
+        e.h.primitive = active ? h.primitive : e.h.primitive;
+    }
+    return e;
+}
+#endif
+
+encounter meet(const scene *s, packet p, ray r, ints active) {
     encounter e;
-    const ray r = make_ray(p.origin, p.direction);
     e.h = closest_hit(s, r, active);
     const ints found = active & (e.h.primitive >= 0);
     e.id = identify(s, found, e.h);
     e.f = find_surface(s, r, e.h, found, e.id);
     e.entering = dot3(e.f.normal, p.direction) < splat(0);
 #if HAS_TRANSMISSION
-    const ints medium = transmits(s, e.id.material);
+    const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, p.in, e.id.material, e.entering);
     e.b = choose_boundary(medium, e.b, meet_opaque(s, p.in, e.id.material, e.entering));
-    e.b.visible |= !found;
+    e = merge_touching(s, p, r, e, medium);
 #elif BENDS
     const reals index = index_of(s, e.id.material);
     e.b.eta = e.entering ? splat(1) / index : index;
@@ -60,6 +88,7 @@ encounter meet(const scene *s, packet p, ints active) {
 
 #if HAS_TRANSMISSION
 encounter choose_encounter(ints m, encounter a, encounter b) {
+    a.h.distance = m ? a.h.distance : b.h.distance;
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
@@ -72,13 +101,13 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
 // The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
 // list of media changes.
 encounter meet_visible(const scene *s, packet p) {
-    encounter e = meet(s, p, p.active);
+    ray r = make_ray(p.origin, p.direction);
+    encounter e = meet(s, p, r, p.active);
 #if HAS_TRANSMISSION
     for (ints hidden = p.active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
-        const vectors ahead = choose(e.entering, negate(e.f.normal), e.f.normal);
-        p.origin = choose(hidden, spawn(e.f.point, e.f.error, ahead), p.origin);
+        r = step_beyond(r, e.h, hidden);
         p.in = choose_media(hidden, e.b.behind, p.in);
-        e = choose_encounter(hidden, meet(s, p, hidden), e);
+        e = choose_encounter(hidden, meet(s, p, r, hidden), e);
     }
 #endif
     return e;
@@ -140,8 +169,8 @@ shares find_shares(const scene *s, shade_point q, encounter e) {
 }
 
 // The packet that goes on with the given shares; what the depth or the cutoff forbids is added to `sum->discarded`.
-packet send_on(packet p, shade_point q, vectors share, vectors direction, vectors side, ints active, real cutoff,
-               uint depth, tree_sum *sum) {
+packet send_on(packet p, vectors origin, vectors share, vectors direction, ints active, real cutoff, uint depth,
+               tree_sum *sum) {
     packet next = p;
     next.weight = mul(p.weight, share);
     next.direction = direction;
@@ -150,7 +179,7 @@ packet send_on(packet p, shade_point q, vectors share, vectors direction, vector
     const ints stopped = next.active & (mask(p.depth >= depth) | (largest(next.weight) < cutoff));
     sum->discarded = add(sum->discarded, where(stopped, next.weight));
     next.active &= !stopped;
-    next.origin = spawn(q.point, q.error, side);
+    next.origin = origin;
     return next;
 }
 
@@ -186,11 +215,12 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
 #if HAS_REFLECTION || HAS_TRANSMISSION
             const shares share = find_shares(s, q, e);
             const real cutoff = camera->limits.x;
-            const packet reflected = send_on(p, q, share.reflection, q.r, q.normal, found, cutoff, depth, &sum);
+            const vectors outside = spawn(q.point, q.error, q.normal);
+            const packet reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, &sum);
             sum.rays.x += count_rays(reflected.active);
 #if HAS_TRANSMISSION
-            packet transmitted =
-                send_on(p, q, share.transmission, q.t.direction, negate(q.normal), found, cutoff, depth, &sum);
+            const vectors inside = spawn(q.point, blur_of(e.f), negate(q.normal));
+            packet transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, &sum);
             sum.rays.y += count_rays(transmitted.active);
             transmitted.in = e.b.behind;
 #if HAS_REFLECTION

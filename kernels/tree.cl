@@ -19,7 +19,7 @@ entries enter_children(global const node *n, ray r, ints active, reals limit) {
             make_vectors(*(global const reals *)(n->high[0] + k), *(global const reals *)(n->high[1] + k),
                          *(global const reals *)(n->high[2] + k));
         const interval i = intersect_bounds(r, low, high);
-        const ints met = (i.near <= i.far) & (i.far > splat(0)) & (i.near <= limit);
+        const ints met = (i.near <= i.far) & (i.far >= r.least) & (i.near <= limit);
         *(private reals *)(e.near + k) = met ? i.near : splat(INFINITY);
     }
 #else
@@ -27,7 +27,7 @@ entries enter_children(global const node *n, ray r, ints active, reals limit) {
         const vectors low = make_vectors(splat(n->low[0][k]), splat(n->low[1][k]), splat(n->low[2][k]));
         const vectors high = make_vectors(splat(n->high[0][k]), splat(n->high[1][k]), splat(n->high[2][k]));
         const interval i = intersect_bounds(r, low, high);
-        const ints met = active & (i.near <= i.far) & (i.far > splat(0)) & (i.near <= limit);
+        const ints met = active & (i.near <= i.far) & (i.far >= r.least) & (i.near <= limit);
         e.near[k] = any_lane(met) ? least_lane(met ? i.near : splat(INFINITY)) : R(INFINITY);
     }
 #endif
@@ -47,8 +47,9 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
     best.u = best.v = splat(0);
 #if HAS_PLANE
     for (uint i = 0; i < s->count.w; i++) {
-        const uint number = s->block_numbers[s->count.y * WIDTH + i];
-        best = nearer(best, active, intersect_unbounded(s, r, s->primitives[number]), whole(number));
+        const ints number = whole(s->block_numbers[s->count.y * WIDTH + i]);
+        const crossing c = intersect_unbounded(s, r, s->primitives[INT_LANE(number, 0)]);
+        best = nearer(face_primitive(r, number), best, active, c, number);
     }
 #endif
 #if HAS_TREE

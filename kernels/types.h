@@ -53,7 +53,7 @@ typedef struct {
 } polygon;
 /* The axis runs from base (z = 0) to top (z = height) in the frame u, v, axis; radius(z) = radius + slope z. */
 typedef struct {
-    real4 base_radius, u_height, v_slope, axis_top_radius;
+    real4 base_radius, u_height, v_slope, axis;
     bounds bounds;
 } cone;
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 mpl.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib import pyplot as plt
 
 Picture = NDArray[np.float32]
 

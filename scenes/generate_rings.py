@@ -33,10 +33,12 @@ lights:
   - {{point: [8, 4, 2], colour: [0.24, 0.27, 0.34]}}
 
 materials:
-  gold: {{ambient: [0.5, 0.34, 0.1], diffuse: [0.42, 0.28, 0.08], specular: [0.6, 0.5, 0.3], shininess: 90, reflection: [0.56, 0.42, 0.18]}}
+  gold: {{ambient: [0.5, 0.34, 0.1], diffuse: [0.42, 0.28, 0.08], specular: [0.6, 0.5, 0.3], shininess: 90,
+    reflection: [0.56, 0.42, 0.18]}}
   silver: {{ambient: 0.3, diffuse: 0.26, specular: 0.8, shininess: 120, reflection: [0.55, 0.56, 0.58]}}
-  copper: {{ambient: [0.5, 0.2, 0.12], diffuse: [0.42, 0.16, 0.09], specular: [0.6, 0.4, 0.3], shininess: 90, reflection: [0.5, 0.26, 0.18]}}
-  floor: {{ambient: [0.74, 0.68, 0.6], diffuse: [0.72, 0.66, 0.58], reflection: 0.12}}
+  copper: {{ambient: [0.5, 0.2, 0.12], diffuse: [0.42, 0.16, 0.09], specular: [0.6, 0.4, 0.3], shininess: 90,
+    reflection: [0.5, 0.26, 0.18]}}
+  floor: {{ambient: [0.66, 0.58, 0.48], diffuse: [0.64, 0.56, 0.46], reflection: 0.14}}
 
 objects:
   - {{plane: {{point: [0, -2.4, 0], normal: [0, 1, 0]}}, material: floor}}
@@ -82,7 +84,8 @@ def link(centre: Vector, along: Vector, aside: Vector, half: float, segments: in
         points.append(combine(half * math.cos(angle), along, half * ROUNDNESS * math.sin(angle), aside, centre))
     for i, p in enumerate(points):
         q = points[(i + 1) % segments]
-        print(f"  - {{cylinder: {{base: {text(p)}, top: {text(q)}, radius: {WIRE}, capped: false}}, material: {material}}}")
+        print(f"  - material: {material}")
+        print(f"    cylinder: {{base: {text(p)}, top: {text(q)}, radius: {WIRE}, capped: false}}")
         print(f"  - {{sphere: {{centre: {text(p)}, radius: {WIRE}}}, material: {material}}}")
 
 

@@ -4,7 +4,7 @@
     generate_sphereflake.py [LEVEL] > sphereflake.yaml
 
 The children of a sphere stand where a spiral of golden angles meets the cap around its outward axis; every one touches
-its parent and is RATIO as large. A level has nine times the spheres of the one above: in all 1, 10, 91, 820, 7381, 66430, …
+its parent and is RATIO as large. A level has nine times the spheres of the one above: in all 1, 10, 91, 820, 7381, …
 """
 
 from __future__ import annotations
@@ -40,7 +40,14 @@ objects:
 """
 
 # From the largest sphere to the smallest: embers to flames.
-COLOURS = [(0.5, 0.07, 0.1), (0.72, 0.16, 0.08), (0.95, 0.42, 0.1), (1.0, 0.7, 0.25), (1.0, 0.93, 0.7), (1.0, 1.0, 0.95)]
+COLOURS = [
+    (0.5, 0.07, 0.1),
+    (0.72, 0.16, 0.08),
+    (0.95, 0.42, 0.1),
+    (1.0, 0.7, 0.25),
+    (1.0, 0.93, 0.7),
+    (1.0, 1.0, 0.95),
+]
 
 
 def material(level: int) -> str:

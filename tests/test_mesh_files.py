@@ -23,7 +23,9 @@ TRIANGLES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 
 def ply_header(form: str, extra: str = "") -> bytes:
     lines = ["ply", f"format {form} 1.0", "element vertex 4", *(f"property float {axis}" for axis in "xyz")]
-    return "\n".join([*lines, "element face 4", "property list uchar int vertex_indices", f"{extra}end_header\n"]).encode()
+    return "\n".join(
+        [*lines, "element face 4", "property list uchar int vertex_indices", f"{extra}end_header\n"]
+    ).encode()
 
 
 def binary_ply(order: str) -> bytes:
@@ -62,7 +64,13 @@ def glb(material: dict[str, Any] | None = None, **node: Any) -> bytes:
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     length = 12 + 8 + len(text) + 8 + len(data)
-    return struct.pack("<4sII", b"glTF", 2, length) + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return (
+        struct.pack("<4sII", b"glTF", 2, length)
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + struct.pack("<I4s", len(data), b"BIN\0")
+        + data
+    )
 
 
 def write(path: Path, content: bytes | str) -> Path:
@@ -139,7 +147,9 @@ def test_quadrilaterals_become_triangles() -> None:
 
 
 def test_a_concave_face_keeps_its_area(tmp_path: Path) -> None:
-    (mesh,) = meshes(describe(write(tmp_path / "l.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n")))
+    (mesh,) = meshes(
+        describe(write(tmp_path / "l.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n"))
+    )
     areas = []
     for corners in mesh["triangles"]:
         (ax, ay, _), (bx, by, _), (cx, cy, _) = (mesh["vertices"][k] for k in corners)
@@ -211,8 +221,15 @@ def test_gltf_metal() -> None:
 
 
 def test_gltf_glass(tmp_path: Path) -> None:
-    volume_of = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1}}
-    solid = {"name": "glass", "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": volume_of}
+    volume_of = {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1},
+    }
+    solid = {
+        "name": "glass",
+        "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0},
+        "extensions": volume_of,
+    }
     sheet = {**solid, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}
     (solid_glass,) = describe(write(tmp_path / "s.glb", glb(solid)))["materials"]
     (sheet_glass,) = describe(write(tmp_path / "t.glb", glb(sheet)))["materials"]
@@ -289,7 +306,11 @@ def test_the_view_scales_with_the_mesh(tmp_path: Path) -> None:
 def test_the_key_light_is_on_the_left_above_and_behind() -> None:
     scene = describe(DATA / "cube.obj")
     key, fill = scene["lights"]
-    assert key["position"][0] < scene["eye"][0] and key["position"][1] > scene["eye"][1] and key["position"][2] > scene["eye"][2]
+    assert (
+        key["position"][0] < scene["eye"][0]
+        and key["position"][1] > scene["eye"][1]
+        and key["position"][2] > scene["eye"][2]
+    )
     assert key["diffuse"][0] > 2 * fill["diffuse"][0] and fill["specular"] == [0, 0, 0]
 
 

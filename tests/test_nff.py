@@ -106,7 +106,19 @@ def test_view_in_any_order_and_windows_lines(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["0.1", "+.5", "-0", "5.", "1e-3", "1E+2", "123456789012345.678901", "0.30000000000000004", "0.1000000000000000055511151231257827", "1e-320"]
+    "text",
+    [
+        "0.1",
+        "+.5",
+        "-0",
+        "5.",
+        "1e-3",
+        "1E+2",
+        "123456789012345.678901",
+        "0.30000000000000004",
+        "0.1000000000000000055511151231257827",
+        "1e-320",
+    ],
 )
 def test_numbers_are_correctly_rounded(tmp_path: Path, text: str) -> None:
     scene = describe(nff(tmp_path, VIEW, FILL, f"s {text} 0 0 1\n"))

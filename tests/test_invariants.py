@@ -1,0 +1,207 @@
+"""What must never change a picture's bits: work groups, tiles, regions, lanes, specialisation, the tree, scale."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exr import read_exr
+from pictures import everything, same_bits
+
+import feeler
+
+LEVELS = ["standard", "reference"]
+
+
+@pytest.fixture(scope="module")
+def scene() -> feeler.Scene:
+    return feeler.Scene(everything())
+
+
+@pytest.fixture(scope="module")
+def picture(scene: feeler.Scene) -> Any:
+    """With one sample; uses a lane per work-item."""
+    pixels = scene.render().pixels
+    assert np.isfinite(pixels).all()
+    assert len(np.unique(pixels.reshape(-1, 4), axis=0)) > 500
+    return pixels
+
+
+@pytest.mark.parametrize("work_group", [(1, 1), (8, 8), (16, 4), (5, 3), (48, 1)])
+def test_work_groups(scene: feeler.Scene, picture: Any, work_group: tuple[int, int]) -> None:
+    assert same_bits(scene.render(work_group=work_group).pixels, picture)
+
+
+@pytest.mark.parametrize("tile", [1, 37, 500, 100_000])
+def test_tiles(scene: feeler.Scene, picture: Any, tile: int) -> None:
+    region = (20, 10, 28, 15) if tile == 1 else None
+    expected = picture[10:15, 20:28] if region else picture
+    assert same_bits(scene.render(tile=tile, region=region).pixels, np.ascontiguousarray(expected))
+
+
+@pytest.mark.parametrize("region", [(0, 0, 48, 36), (5, 3, 21, 17), (47, 35, 48, 36), (0, 30, 48, 31)])
+def test_regions(scene: feeler.Scene, picture: Any, region: tuple[int, int, int, int]) -> None:
+    x0, y0, x1, y1 = region
+    part = scene.render(region=region, work_group=(4, 4)).pixels
+    assert same_bits(part, np.ascontiguousarray(picture[y0:y1, x0:x1]))
+
+
+LANES_REGION = (8, 6, 32, 24)
+
+
+def compare_lanes(scene: feeler.Scene, level: str, widths: tuple[int, ...]) -> None:
+    """Samples that travel together have the bits of samples on their own."""
+    expected: dict[int, Any] = {}
+    for lanes in widths:
+        for samples in (1, 4, 5, 16):
+            image = scene.render(lanes=lanes, samples=samples, level=level, region=LANES_REGION)
+            first = expected.setdefault(samples, image)
+            assert same_bits(image.pixels, first.pixels), (lanes, samples)
+            for key in ("rays", "discarded_weight", "deepest_level", "truncation_bound"):
+                assert image.stats[key] == first.stats[key], (lanes, samples, key)
+
+
+@pytest.mark.parametrize(("level", "lanes"), [("standard", 16), ("reference", 4)])
+def test_lanes(scene: feeler.Scene, level: str, lanes: int) -> None:
+    compare_lanes(scene, level, (1, lanes))
+
+
+def test_every_number_of_lanes() -> None:
+    compare_lanes(feeler.Scene(SPECIALISED["matte"]), "standard", (1, 2, 4, 8))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_number_of_lanes_with_everything(scene: feeler.Scene, level: str) -> None:
+    compare_lanes(scene, level, (1, 2, 4, 8, 16))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_brute_force_is_the_tree(scene: feeler.Scene, level: str) -> None:
+    assert same_bits(scene.render(brute_force=True, level=level).pixels, scene.render(level=level).pixels)
+
+
+@pytest.mark.parametrize("exponent", [-40, -17, -1, 3, 24, 40])
+def test_scaled_by_a_power_of_two(picture: Any, exponent: int) -> None:
+    assert same_bits(feeler.Scene(everything(2.0**exponent)).render().pixels, picture)
+
+
+def test_scaled_in_double(scene: feeler.Scene) -> None:
+    expected = scene.render(level="reference").pixels
+    for exponent in (-40, 40):
+        assert same_bits(feeler.Scene(everything(2.0**exponent)).render(level="reference").pixels, expected)
+
+
+def test_the_program_gives_the_same_bits(cli: Any, tmp_path: Path, picture: Any) -> None:
+    (tmp_path / "scene.yaml").write_text(json.dumps(everything()))
+    done = cli("render", "scene.yaml", "-o", "out.exr", "--stats", "s.json")
+    assert done.returncode == 0, done.stderr
+    pixels, _ = read_exr(tmp_path / "out.exr")
+    assert same_bits(pixels, np.ascontiguousarray(picture[..., :3]))
+
+
+def test_a_queue_of_ones_own(scene: feeler.Scene, picture: Any, queue: Any) -> None:
+    assert same_bits(scene.render(queue=queue).pixels, picture)
+
+
+# ---- specialised and general kernels
+
+CAMERA = {"eye": [0, 1, 6], "look_at": [0, 0, 0], "fov": 40}
+LIT = {"camera": CAMERA, "image": {"size": [40, 30]}, "background": [0.2, 0.4, 0.6], "lights": [{"point": [3, 5, 4]}]}
+FLOOR = {"plane": {"normal": [0, 1, 0], "point": [0, -1, 0]}}
+
+SPECIALISED: dict[str, dict[str, Any]] = {
+    "matte": {**LIT, "objects": [{"sphere": {"radius": 1}}, FLOOR]},
+    "without shadows": {**LIT, "shadows": False, "objects": [{"sphere": {"radius": 1}}, FLOOR]},
+    "glass": {**LIT, "objects": [
+        {"sphere": {"radius": 1}, "material": {"transmission": 0.8, "ior": 1.5, "specular": 0.4}},
+        {"sphere": {"radius": 0.5}, "material": {"transmission": 0.8, "ior": 1.2}}, FLOOR]},
+    "a mirror that asks for Fresnel weights": {**LIT, "objects": [
+        {"sphere": {"radius": 1}, "material": {"reflection": 0.5, "fresnel": True, "ior": 1.5}}]},
+    "specular transmission with a priority": {**LIT, "shadows": False, "lights": [{"point": [1, 1, -8]}], "objects": [
+        {"box": {"low": [-3, -3, -0.9], "high": [3, 3, 3]}, "material": {"transmission": 0.9, "ior": 1.5}},
+        {"disc": {"radius": 1, "normal": [0, 0, 1], "centre": [0, 0, -0.89]},
+         "material": {"specular_transmission": 0.9, "ior": 1.3, "priority": -1, "shininess": 3}}]},
+    "a mirror seen at a grazing angle": {
+        "camera": {"eye": [0, 0, 0], "look_at": [0.8, -0.3, 0], "up": [0, 0, 1], "fov": 2e-5}, "image": {"size": [40, 30]},
+        "background": [0.2, 0.4, 0.6], "objects": [
+            {"plane": {"normal": [0.3, 0.8, 0.1], "point": [-0.03, -0.08, -0.01]},
+             "material": {"reflection": 0.5, "emission": 0.1}}]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SPECIALISED)
+def test_specialised_is_general(name: str) -> None:
+    scene = feeler.Scene(SPECIALISED[name])
+    special, general = scene.render(), scene.render(general=True)
+    assert special.stats["features"] != general.stats["features"]
+    assert special.stats["rays"] == general.stats["rays"]
+    assert same_bits(special.pixels, general.pixels)
+
+
+def test_everything_specialised_is_general(scene: feeler.Scene, picture: Any) -> None:
+    reference = scene.render(level="reference").pixels
+    assert same_bits(scene.render(general=True, level="reference").pixels, reference)
+
+
+# ---- random scenes
+
+
+def random_scene(seed: int) -> dict[str, Any]:
+    """Primitives of all kinds, with duplicates and triangles that overlap in a plane; all features present."""
+    rng = np.random.default_rng(seed)
+    base = everything()
+    names = list(base["materials"])
+
+    def place() -> list[float]:
+        return list(rng.choice([rng.uniform(-2, 2), 0.0, 0.5, 1.0], 3) + rng.uniform(-1, 1, 3) * rng.integers(0, 2))
+
+    objects: list[dict[str, Any]] = []
+    for _ in range(6):
+        size = float(rng.choice([0.25, 0.5, rng.uniform(0.1, 1)]))
+        corner = np.array(place())
+        shapes: list[dict[str, Any]] = [
+            {"sphere": {"centre": place(), "radius": size}},
+            {"disc": {"centre": place(), "normal": list(rng.normal(size=3)), "radius": size}},
+            {"box": {"low": list(corner), "high": list(corner + size)}},
+            {"cylinder": {"base": list(corner), "top": list(corner + [0, size, 0]), "radius": size / 2}},
+            {
+                "cone": {
+                    "base": list(corner),
+                    "top": list(corner + rng.normal(size=3)),
+                    "base_radius": size,
+                    "capped": False,
+                }
+            },
+            {"triangle": {"corners": [list(corner + [0, *rng.uniform(-1, 1, 2)]) for _ in range(3)]}},
+            {"triangle": {"corners": [list(corner + [0, *rng.uniform(-1, 1, 2)]) for _ in range(3)]}},
+            {
+                "polygon": {
+                    "corners": [
+                        list(corner + np.array(c) * size) for c in ([0, 0, 0], [1, 0, 0], [0.4, 0.4, 0], [0, 1, 0])
+                    ]
+                }
+            },
+        ]
+        objects += [{**shape, "material": names[rng.integers(len(names))]} for shape in shapes]
+    objects += [{**objects[i], "material": names[rng.integers(len(names))]} for i in rng.integers(0, len(objects), 8)]
+    return {
+        **base,
+        "objects": base["objects"] + objects,
+        "camera": {"eye": [0, 0.5, 6], "look_at": [0, 0.5, 0], "fov": 50},
+    }
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_scenes(seed: int) -> None:
+    """Coplanar triangles, duplicates and coincident faces: the tree is brute force, and no pixel is NaN or infinite."""
+    scene = feeler.Scene(random_scene(seed))
+    image = scene.render(size=(64, 48))
+    assert np.isfinite(image.pixels).all()
+    assert (image.pixels >= 0).all()
+    brute = scene.render(size=(64, 48), brute_force=True)
+    assert brute.stats["rays"] == image.stats["rays"]
+    assert same_bits(brute.pixels, image.pixels)

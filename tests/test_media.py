@@ -1,0 +1,163 @@
+"""Media and extensions in whole pictures: what a small lamp behind glass, or the lit background, must look like."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pictures import render
+from shapes import dot, length
+from test_closed_forms import camera, eye_rays, refract
+
+SIZE = (64, 48)
+UP = np.array([0, 0, 1.0])
+
+
+def glass(ior: float, **more: Any) -> dict[str, Any]:
+    return {"transmission": 1, "ior": ior, **more}
+
+
+def layer(low: float, high: float, material: dict[str, Any]) -> dict[str, Any]:
+    return {"box": {"low": [-50, -50, low], "high": [50, 50, high]}, "material": material}
+
+
+def lamp(z: float, radius: float = 1.0) -> dict[str, Any]:
+    return {"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": radius}, "material": {"emission": 1}}
+
+
+def lands_on_lamp(
+    view: dict[str, Any], layers: list[tuple[float, float]], z: float, first: float = 1.0
+) -> tuple[Any, Any]:
+    """Per pixel, whether a ray bent at each (height, index below it) reaches the lamp, and where that is sure."""
+    p, d = eye_rays(view, SIZE)
+    p, index = p + 0 * d, first
+    for height, below in layers:
+        p = p + d * ((height - p[..., 2]) / d[..., 2])[..., None]
+        found, d = refract(-d, UP, index / below)
+        assert found.all()
+        index = below
+    p = p + d * ((z - p[..., 2]) / d[..., 2])[..., None]
+    away = length(p[..., :2])
+    return away < 1, abs(away - 1) > 1e-4
+
+
+VIEW = camera((0, -3, 3), (0, -0.4, -1), up=(0, 0, 1), fov=35)
+A, B = 1.3, 1.8
+LAYERS: dict[str, tuple[list[dict[str, Any]], list[tuple[float, float]]]] = {
+    "one": ([layer(-2, 0, glass(A))], [(0, A), (-2, 1)]),
+    "overlapping": ([layer(-1.5, 0, glass(A)), layer(-2, -1, glass(B, priority=1))], [(0, A), (-1, B), (-2, 1)]),
+    "overlapping, the upper wins": ([layer(-1.5, 0, glass(A, priority=1)), layer(-2, -1, glass(B))],
+                                    [(0, A), (-1.5, B), (-2, 1)]),
+    "nested": ([layer(-3, 0, glass(A)), layer(-2, -1, glass(B))], [(0, A), (-1, B), (-2, A), (-3, 1)]),
+    "nested with priorities": ([layer(-3, 0, glass(A, priority=3)), layer(-2, -1, glass(B, priority=4))],
+                               [(0, A), (-1, B), (-2, A), (-3, 1)]),
+    "hidden": ([layer(-3, 0, glass(A, priority=3)), layer(-2, -1, glass(B))], [(0, A), (-3, 1)]),
+    "touching": ([layer(-1, 0, glass(A)), layer(-2, -1, glass(B))], [(0, A), (-1, B), (-2, 1)]),
+    "touching, numbered from below": ([layer(-2, -1, glass(B)), layer(-1, 0, glass(A))], [(0, A), (-1, B), (-2, 1)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("where", ["below", "within"])
+@pytest.mark.parametrize("name", LAYERS)
+def test_parallel_layers(name: str, where: str) -> None:
+    """n1 sin a1 = n_k sin a_k, seen by where a lamp appears: under all layers, or within the last."""
+    objects, bends = LAYERS[name]
+    z = bends[-1][0] + (-1.0 if where == "below" else 0.25)
+    path = bends if where == "below" else bends[:-1]
+    image = render({"camera": VIEW, "image": {"size": SIZE}, "objects": [*objects, lamp(z)]}, depth=8)
+    expected, sure = lands_on_lamp(VIEW, path, z)
+    assert 50 < expected.sum() < 2500
+    wrong = ((image.pixels[..., 0] > 0.5) != expected) & sure
+    assert not wrong.any(), f"{wrong.sum()} pixels"
+
+
+@pytest.mark.parametrize("nested", [False, True])
+def test_the_eye_in_glass(nested: bool) -> None:
+    """The eye's own media are found first: rays bend only where they leave."""
+    view = camera((0, -0.5, -0.5), (0, 0, -2), up=(0, 1, 0), fov=35)
+    objects = [layer(-1, 2, glass(1.5))] + ([layer(-1.5, 3, glass(1.2, priority=-1))] if nested else [])
+    image = render({"camera": view, "image": {"size": SIZE}, "objects": [*objects, lamp(-2.5)]})
+    bends = [(-1.0, 1.2), (-1.5, 1.0)] if nested else [(-1.0, 1.0)]
+    expected, sure = lands_on_lamp(view, bends, -2.5, 1.5)
+    assert expected.sum() > 50
+    assert not (((image.pixels[..., 0] > 0.5) != expected) & sure).any()
+
+
+@pytest.mark.parametrize("extension", [False, True])
+def test_snells_window(extension: bool) -> None:
+    """From within glass: the background inside the cone of 41.8103°, the reflection (rho_rg, extended by rho_tg) outside."""
+    view = camera((0, 0, 0), (0, 0.01, 1), fov=110)
+    material = glass(1.5, transmission=0.6, reflection=0.25, total_reflection=extension)
+    box = {"box": {"low": [-1e3, -1e3, -2e3], "high": [1e3, 1e3, 1]}, "material": material}
+    scene = {"camera": view, "image": {"size": SIZE}, "background": 1, "objects": [box], "lights": []}
+    image = render(scene, cutoff=0.9)  # the first hit's rays alone; their weights are what is discarded
+    _, d = eye_rays(view, SIZE)
+    angle = np.degrees(np.arccos(d[..., 2]))
+    inside, sure = angle < 41.8103, abs(angle - 41.8103) > 1e-3
+    assert 200 < inside.sum() < inside.size - 200
+    assert sure.all()
+    assert image.stats["rays"]["transmission"] == image.stats["rays"]["reflection"] == 0
+    assert image.stats["discarded_weight"]["mean"] == pytest.approx(
+        (0.85 * inside + (0.85 if extension else 0.25) * ~inside).mean(), rel=1e-5
+    )
+    sent = render(scene, depth=5, cutoff=0.5)
+    assert (abs(sent.pixels[..., 0] - 0.6)[inside] < 1e-6).all()
+    if not extension:
+        assert sent.stats["rays"]["transmission"] == inside.sum()
+
+
+def test_a_glass_sphere_hides_nothing() -> None:
+    """All light that enters leaves: no total reflection from outside, so that a lit background shows everywhere."""
+    scene = {"camera": camera((0, 0, 4), fov=32), "image": {"size": SIZE}, "background": [1, 0.5, 0.25],
+             "objects": [{"sphere": {"radius": 1}, "material": glass(1.5)}]}  # fmt: skip
+    image = render(scene)
+    assert (image.pixels[..., :3] == np.array([1, 0.5, 0.25], np.float32)).all()
+    assert image.stats["rays"]["transmission"] == 2 * image.stats["rays"]["eye_hits"]
+
+
+def test_fresnel_weights() -> None:
+    """Red carries the reflected share, green the other, blue both."""
+    view = camera((0, -3, 1.5), up=(0, 0, 1), fov=60)
+    material = glass(1.5, reflection=[1, 0, 1], transmission=[0, 1, 1], fresnel=True)
+    sheet = {"disc": {"normal": [0, 0, 1], "radius": 40}, "material": material}
+    pixels = render({"camera": view, "image": {"size": SIZE}, "background": 1, "objects": [sheet]}).pixels
+    _, d = eye_rays(view, SIZE)
+    eye = np.array(view["eye"])
+    hits = (d[..., 2] < 0) & (length(eye - d * (eye[2] / d[..., 2])[..., None]) < 39)
+    cos_v = -d[..., 2]
+    cos_t = np.sqrt(1 - (1 - cos_v**2) / 2.25)
+    share = (
+        ((cos_v - 1.5 * cos_t) / (cos_v + 1.5 * cos_t)) ** 2 + ((cos_t - 1.5 * cos_v) / (cos_t + 1.5 * cos_v)) ** 2
+    ) / 2
+    assert hits.sum() > 500
+    assert abs(pixels[..., 0] - share)[hits].max() < 1e-5
+    assert abs(pixels[..., 1] - (1 - share))[hits].max() < 1e-5
+    assert abs(pixels[..., 2] - 1)[hits].max() < 1e-6
+
+
+@pytest.mark.parametrize("filtered", [False, True])
+def test_filtered_shadows(filtered: bool) -> None:
+    """A feeler through two sheets carries the product of their rho_tg; what lets nothing through blocks it."""
+    share = np.array([0.5, 0.25, 1])
+    sheets = [{"disc": {"centre": [0, 0, z], "normal": [0.1, 0, 1], "radius": 0.5}, "material": glass(1.5, transmission=list(share))}
+              for z in (1, 1.5)]  # fmt: skip
+    opaque = {"disc": {"centre": [2, 0, 1], "normal": [0, 0, 1], "radius": 0.5}, "material": {}}
+    floor = {"disc": {"normal": [0, 0, 1], "radius": 50}, "material": {"diffuse": 1}}
+    view = camera((0, -8, 0.9), (1, 0, 0.2), up=(0, 0, 1), fov=30)
+    scene = {"camera": view, "image": {"size": SIZE}, "filtered_shadows": filtered, "lights": [{"directional": [0, 0, -1]}],
+             "objects": [floor, opaque, *sheets]}  # fmt: skip
+    pixels = render(scene).pixels[..., :3]
+    eye, d = eye_rays(view, SIZE)
+    q = eye - d * (eye[2] / d[..., 2])[..., None]
+    on_floor = (d[..., 2] < 0) & (length(q) < 40)
+    for z, x in ((1.0, 2.0), (1.0, 0.0), (1.5, 0.0)):  # what the sheets hide from the eye, generously
+        p = eye + d * ((z - eye[2]) / np.where(d[..., 2] == 0, 1e-9, d[..., 2]))[..., None]
+        on_floor &= abs(dot(p - [x, 0, z], p - [x, 0, z])) > 0.6**2
+    radial = length(q[..., :2])
+    under_glass, under_opaque = radial < 0.45, length(q[..., :2] - [2, 0]) < 0.49
+    free = (radial > 0.55) & (length(q[..., :2] - [2, 0]) > 0.51)
+    assert min((on_floor & part).sum() for part in (under_glass, under_opaque, free)) > 5
+    assert abs(pixels[on_floor & under_glass] - (share**2 if filtered else 0)).max() < 1e-6
+    assert (pixels[on_floor & under_opaque] == 0).all()
+    assert abs(pixels[on_floor & free] - 1).max() < 1e-6
