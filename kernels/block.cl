@@ -70,12 +70,12 @@ hit take_crossings(ray r, ints active, hit best, crossing c, vectors low, vector
 }
 
 #if HAS_SPHERE
-hit try_spheres(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_spheres(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         const crossing c = intersect_sphere(r, load_fields(block, 0, k), load_field(block, 3, k), flags);
         best = take_crossings(r, active, best, c, load_fields(block, 4, k), load_fields(block, 7, k),
                               number);
@@ -85,12 +85,12 @@ hit try_spheres(ray around, ints active, hit best, global const real *block, glo
 #endif
 
 #if HAS_DISC
-hit try_discs(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_discs(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         const crossing c =
             intersect_disc(r, load_fields(block, 0, k), load_fields(block, 4, k), load_field(block, 3, k), flags);
         best = take_crossings(r, active, best, c, load_fields(block, 7, k), load_fields(block, 10, k),
@@ -101,12 +101,12 @@ hit try_discs(ray around, ints active, hit best, global const real *block, globa
 #endif
 
 #if HAS_BOX
-hit try_boxes(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_boxes(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         const vectors low = load_fields(block, 0, k), high = load_fields(block, 3, k);
         best = take_crossings(r, active, best, intersect_box(r, low, high, flags), low, high, number);
     }
@@ -115,12 +115,12 @@ hit try_boxes(ray around, ints active, hit best, global const real *block, globa
 #endif
 
 #if HAS_TRIANGLE
-hit try_triangles(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_triangles(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         const vectors a = load_fields(block, 0, k), b = load_fields(block, 3, k), c = load_fields(block, 6, k);
         const crossing x = intersect_triangle(r, a, b, c, flags);
         const vectors low = least_xyz(least_xyz(a, b), c), high = greatest_xyz(greatest_xyz(a, b), c);
@@ -131,12 +131,12 @@ hit try_triangles(ray around, ints active, hit best, global const real *block, g
 #endif
 
 #if HAS_CONE
-hit try_cones(ray around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_cones(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         frustum f;
         f.base = load_fields(block, 0, k);
         f.u = load_fields(block, 3, k);
@@ -154,13 +154,13 @@ hit try_cones(ray around, ints active, hit best, global const real *block, globa
 
 #if HAS_POLYGON
 // Polygons have too many corners to go side by side: one after another, where its bounds are met.
-hit try_polygons(const scene *s, ray around, ints active, hit best, global const real *block, global const uint *numbers,
+hit try_polygons(const scene *s, const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
                  uint flags) {
     for (uint k = 0; k < WIDTH; k++) {
         if (k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = whole(numbers[k]);
-        const ray r = face_primitive(around, number);
+        const ray r = face_primitive(*around, number);
         const vectors low = make_vectors(splat(block[k]), splat(block[WIDTH + k]), splat(block[2 * WIDTH + k]));
         const vectors high =
             make_vectors(splat(block[3 * WIDTH + k]), splat(block[4 * WIDTH + k]), splat(block[5 * WIDTH + k]));
@@ -179,7 +179,7 @@ hit try_polygons(const scene *s, ray around, ints active, hit best, global const
 }
 #endif
 
-hit try_block(const scene *s, ray r, ints active, hit best, uint place, uint tag) {
+hit try_block(const scene *s, const ray *r, ints active, hit best, uint place, uint tag) {
     global const real *block = s->blocks + (size_t)place * WIDTH;
     global const uint *numbers = s->block_numbers + (tag & TAG_NUMBER) * WIDTH;
     const uint flags = (tag >> TAG_FLAGS) & 31;

@@ -45,7 +45,7 @@ typedef struct {
 vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals limit, ints active) {
     vectors share = where(active, splat_xyz((real4)(1)));
     for (ray r = make_ray(origin, direction); any_ray(active);) {
-        const hit h = traverse(s, r, active, limit, false);
+        const hit h = traverse(s, &r, active, limit, false);
         active &= h.primitive >= 0;
         const identity id = identify(s, active, h);
         const vectors passes = GATHER(s->materials, active ? id.material : whole(0), transmission).xyz;
@@ -74,7 +74,8 @@ visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints
 #if HAS_FILTERED_SHADOWS
     v.share = filter_feeler(s, origin, direction, limit, active);
 #else
-    v.share = where(active & !any_hit(s, make_ray(origin, direction), active, limit), v.share);
+    const ray feeler = make_ray(origin, direction);
+    v.share = where(active & !any_hit(s, &feeler, active, limit), v.share);
 #endif
 #endif
     return v;

@@ -63,7 +63,7 @@ kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const lau
     const vectors direction = normalise(make_vectors(splat(R(0.5377)), splat(R(0.7331)), splat(R(0.4168))));
     media entered = no_media();
     for (ray r = make_ray(splat_xyz(views[0].eye), direction);;) {
-        const hit h = closest_hit(&s, r, mask(true));
+        const hit h = closest_hit(&s, &r, mask(true));
         ints number = h.primitive;
         if (INT_LANE(number, 0) < 0)
             return;

@@ -51,7 +51,7 @@ encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints acti
     const reals limit = (e.h.distance + dot3(absolute(e.f.normal), blur_of(e.f)) / slope) * (R(1) + R(4) * UNIT);
     while (any_ray(active)) {
         r = step_beyond(r, e.h, active);
-        const hit h = traverse(s, r, active, limit, false);
+        const hit h = traverse(s, &r, active, limit, false);
         active &= h.primitive >= 0;
         const identity id = identify(s, active, h);
         const surface f = find_surface(s, r, h, active, id);
@@ -69,7 +69,7 @@ encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints acti
 
 encounter meet(const scene *s, packet p, ray r, ints active) {
     encounter e;
-    e.h = closest_hit(s, r, active);
+    e.h = closest_hit(s, &r, active);
     const ints found = active & (e.h.primitive >= 0);
     e.id = identify(s, found, e.h);
     e.f = find_surface(s, r, e.h, found, e.id);

@@ -8,7 +8,8 @@ typedef struct {
     real near[WIDTH];
 } entries;
 
-entries enter_children(global const node *n, ray r, ints active, reals limit) {
+entries enter_children(global const node *n, const ray *around, ints active, reals limit) {
+    const ray r = *around;
     entries e;
 #if RAYS == 1
     for (uint k = 0; k < WIDTH; k += LANES) {
@@ -40,7 +41,7 @@ ints still_looking(ints active, hit best, bool any) {
 }
 
 // The nearest hit before `limit`, for the active lanes. With `any`, whichever comes first: only whether there is one counts.
-hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
+hit traverse(const scene *s, const ray *r, ints active, reals limit, bool any) {
     hit best;
     best.distance = limit;
     best.primitive = whole(-1);
@@ -48,8 +49,8 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
 #if HAS_PLANE
     for (uint i = 0; i < s->count.w; i++) {
         const ints number = whole(s->block_numbers[s->count.y * WIDTH + i]);
-        const crossing c = intersect_unbounded(s, r, s->primitives[INT_LANE(number, 0)]);
-        best = nearer(face_primitive(r, number), best, active, c, number);
+        const crossing c = intersect_unbounded(s, *r, s->primitives[INT_LANE(number, 0)]);
+        best = nearer(face_primitive(*r, number), best, active, c, number);
     }
 #endif
 #if HAS_TREE
@@ -95,10 +96,10 @@ hit traverse(const scene *s, ray r, ints active, reals limit, bool any) {
 #endif
 }
 
-hit closest_hit(const scene *s, ray r, ints active) {
+hit closest_hit(const scene *s, const ray *r, ints active) {
     return traverse(s, r, active, splat(INFINITY), false);
 }
 
-ints any_hit(const scene *s, ray r, ints active, reals limit) {
+ints any_hit(const scene *s, const ray *r, ints active, reals limit) {
     return active & (traverse(s, r, active, limit, true).primitive >= 0);
 }
