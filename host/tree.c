@@ -72,7 +72,7 @@ static void set_bounds(void *node, const struct RTCBounds **boxes, unsigned int 
 static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuildPrimitive *primitives, size_t count,
                          void *user) {
     (void)user;
-    branch *b = rtcThreadLocalAlloc(allocator, sizeof *b, 16);
+    branch *b = count <= MOST_IN_LEAF ? rtcThreadLocalAlloc(allocator, sizeof *b, 16) : NULL;
     if (!b)
         return NULL;
     b->count = count;
@@ -158,7 +158,9 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
     const branch *root = bvh ? rtcBuildBVH(&arguments) : NULL;
     int status = -1;
     if (!root)
-        fail(error, FEELER_OUT_OF_MEMORY, "Embree could not build a tree over %zu primitives", p->bounded);
+        fail(error,
+             device && rtcGetDeviceError(device) != RTC_ERROR_OUT_OF_MEMORY ? FEELER_DEVICE : FEELER_OUT_OF_MEMORY,
+             "Embree could not build a tree over %zu primitives", p->bounded);
     else if (reserve(&p->arrays[ARRAY_NODES], 2 * p->bounded, error) == 0 &&
              reserve(&p->arrays[ARRAY_LINKS], 2 * p->bounded, error) == 0) {
         uint32_t next_entry = 0;
@@ -200,8 +202,6 @@ int build_tree(packed *p, bool brute_force, feeler_error *error) {
     struct RTCBuildPrimitive *primitives = build_primitives(p, p->arrays[ARRAY_ORDER].data, error);
     int status = primitives ? build(p, primitives, error) : -1;
     free(primitives);
-    if (status == 0)
-        p->features |= UINT32_C(1) << FEATURE_TREE;
     p->tree_seconds = seconds_now() - start;
     return status;
 }

@@ -100,14 +100,14 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
 
 // The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
 // list of media changes.
-encounter meet_visible(const scene *s, packet p) {
-    ray r = make_ray(p.origin, p.direction);
-    encounter e = meet(s, p, r, p.active);
+encounter meet_visible(const scene *s, packet *p) {
+    ray r = make_ray(p->origin, p->direction);
+    encounter e = meet(s, *p, r, p->active);
 #if HAS_TRANSMISSION
-    for (ints hidden = p.active & !e.b.visible; any_lane(hidden); hidden &= !e.b.visible) {
+    for (ints hidden = p->active & !e.b.visible; any_lane(hidden); hidden &= !e.b.visible) {
         r = step_beyond(r, e.h, hidden);
-        p.in = choose_media(hidden, e.b.behind, p.in);
-        e = choose_encounter(hidden, meet(s, p, r, hidden), e);
+        p->in = choose_media(hidden, e.b.behind, p->in);
+        e = choose_encounter(hidden, meet(s, *p, r, hidden), e);
     }
 #endif
     return e;
@@ -197,7 +197,7 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
 #endif
     for (;;) {
         sum.deepest = max(sum.deepest, p.depth);
-        const encounter e = meet_visible(s, p);
+        const encounter e = meet_visible(s, &p);
         const ints found = p.active & (e.h.primitive >= 0);
         const bool opaque = p.depth > 1 || camera->limits.z == R(0);
         const ints missed = p.active & !found & mask(opaque);
