@@ -22,12 +22,12 @@ typedef struct {
 // Whether anything asks for the direction of transmission.
 #define BENDS (HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION || HAS_FRESNEL)
 
-// What a packet meets: hits, surfaces, and for transmission the boundary.
+// What a packet meets: hits, surfaces, and for transmission the boundary; `touched` where another medium's is at its place.
 typedef struct {
     hit h;
     identity id;
     surface f;
-    ints entering;
+    ints entering, touched;
 #if BENDS
     boundary b;
 #endif
@@ -58,6 +58,7 @@ encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints acti
         const ints medium = transmits(s, id.material);
         e.b.visible &= !active | medium;
         active &= medium;
+        e.touched |= active;
         const boundary both = merge_boundary(s, e.b, id.material, dot3(f.normal, p.direction) < splat(0));
         e.b = choose_boundary(active, both, e.b);
         e.h.distance = active ? h.distance : e.h.distance;
@@ -78,6 +79,7 @@ encounter meet(const scene *s, packet p, ray r, ints active) {
     const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, p.in, e.id.material, e.entering);
     e.b = choose_boundary(medium, e.b, meet_opaque(s, p.in, e.id.material, e.entering));
+    e.touched = mask(false);
     e = merge_touching(s, p, r, e, medium);
 #elif BENDS
     const reals index = index_of(s, e.id.material);
@@ -93,6 +95,7 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
     a.entering = m ? a.entering : b.entering;
+    a.touched = m ? a.touched : b.touched;
     a.b = choose_boundary(m, a.b, b.b);
     return a;
 }
@@ -219,7 +222,7 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
             const packet reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, &sum);
             sum.rays.x += count_lanes(reflected.active);
 #if HAS_TRANSMISSION
-            const vectors inside = spawn(q.point, blur_of(e.f), negate(q.normal));
+            const vectors inside = spawn(q.point, choose(e.touched, blur_of(e.f), q.error), negate(q.normal));
             packet transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, &sum);
             sum.rays.y += count_lanes(transmitted.active);
             transmitted.in = e.b.behind;
