@@ -186,12 +186,42 @@ packet send_on(packet p, vectors origin, vectors share, vectors direction, ints 
     return next;
 }
 
+// What a packet sends on from a surface; where nothing is transmitted, `transmitted` has no active lane.
+typedef struct {
+    packet reflected, transmitted;
+} children;
+
+children send_children(const scene *s, packet p, encounter e, shade_point q, ints found, real cutoff, uint depth,
+                       tree_sum *sum) {
+    children c;
+    c.reflected = c.transmitted = p;
+    c.reflected.active = c.transmitted.active = mask(false);
+#if HAS_REFLECTION || HAS_TRANSMISSION
+    const shares share = find_shares(s, q, e);
+    const vectors outside = spawn(q.point, q.error, q.normal);
+    c.reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, sum);
+#if HAS_TRANSMISSION
+    const vectors inside = spawn(q.point, choose(e.touched, blur_of(e.f), q.error), negate(q.normal));
+    c.transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, sum);
+    c.transmitted.in = e.b.behind;
+#endif
+#endif
+    sum->rays.x += count_lanes(c.reflected.active);
+    sum->rays.y += count_lanes(c.transmitted.active);
+    return c;
+}
+
+// What eye rays that hit nothing see is left out where the background is to be transparent.
+vectors see_background(const view *camera, packet p, ints missed) {
+    const bool shows = p.depth > 1 || camera->limits.z == R(0);
+    return where(missed & mask(shows), mul(p.weight, splat_xyz(camera->background)));
+}
+
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
 tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
-    sum.hits = mask(false);
     sum.rays = (uint4)(0);
     sum.deepest = 0;
 #if HAS_REFLECTION && HAS_TRANSMISSION
@@ -199,54 +229,37 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     uint height = 0;
 #endif
     for (;;) {
-        sum.deepest = max(sum.deepest, p.depth);
         const encounter e = meet_visible(s, &p);
         const ints found = p.active & (e.h.primitive >= 0);
-        const bool opaque = p.depth > 1 || camera->limits.z == R(0);
-        const ints missed = p.active & !found & mask(opaque);
-        sum.colour = add(sum.colour, where(missed, mul(p.weight, splat_xyz(camera->background))));
+        sum.colour = add(sum.colour, see_background(camera, p, p.active & !found));
+        sum.deepest = max(sum.deepest, p.depth);
         if (p.depth == 1) {
             sum.hits = found;
             sum.rays.w += count_lanes(found);
         }
-        p.active = mask(false);
+        children next;
+        next.reflected.active = next.transmitted.active = mask(false);
         if (any_lane(found)) {
             const shade_point q = make_shade_point(p, e);
             const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
             sum.rays.z += lit.feelers;
-#if HAS_REFLECTION || HAS_TRANSMISSION
-            const shares share = find_shares(s, q, e);
-            const real cutoff = camera->limits.x;
-            const vectors outside = spawn(q.point, q.error, q.normal);
-            const packet reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, &sum);
-            sum.rays.x += count_lanes(reflected.active);
-#if HAS_TRANSMISSION
-            const vectors inside = spawn(q.point, choose(e.touched, blur_of(e.f), q.error), negate(q.normal));
-            packet transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, &sum);
-            sum.rays.y += count_lanes(transmitted.active);
-            transmitted.in = e.b.behind;
-#if HAS_REFLECTION
-            const bool both = any_lane(reflected.active) && any_lane(transmitted.active);
-            if (both)
-                waiting[height++] = transmitted;
-            p = any_lane(reflected.active) ? reflected : transmitted;
-#else
-            p = transmitted;
-#endif
-#else
-            p = reflected;
-#endif
-#endif
+            next = send_children(s, p, e, q, found, camera->limits.x, depth, &sum);
         }
-        if (any_lane(p.active))
-            continue;
+        if (any_lane(next.reflected.active)) {
+            p = next.reflected;
 #if HAS_REFLECTION && HAS_TRANSMISSION
-        if (height > 0) {
-            p = waiting[--height];
-            continue;
-        }
+            if (any_lane(next.transmitted.active))
+                waiting[height++] = next.transmitted;
 #endif
-        return sum;
+        } else if (any_lane(next.transmitted.active)) {
+            p = next.transmitted;
+#if HAS_REFLECTION && HAS_TRANSMISSION
+        } else if (height > 0) {
+            p = waiting[--height];
+#endif
+        } else {
+            return sum;
+        }
     }
 }
