@@ -10,6 +10,8 @@
 #define MOST_ELEMENTS ((size_t)INT32_MAX)
 
 void *array_add(array *a, size_t count, feeler_error *error) {
+    if (count == 0 && !a->data)
+        return array_add(a, 1, error) ? (a->count = 0, a->data) : NULL;
     if (count > MOST_ELEMENTS - a->count) {
         fail(error, FEELER_BAD_INPUT, "too many %s: a scene can hold %zu", a->name, MOST_ELEMENTS);
         return NULL;

@@ -14,7 +14,7 @@ typedef struct array {
     size_t count, capacity;
 } array;
 
-/* The place of `count` new elements, zeroed; NULL when out of memory. */
+/* The place of `count` new elements, zeroed; NULL when out of memory (never for 0 elements otherwise). */
 void *array_add(array *array, size_t count, feeler_error *error);
 
 /* `count` doubles as floats; to be freed. */

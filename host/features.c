@@ -2,32 +2,34 @@
 #include "packed.h"
 
 const char *const feature_names[FEATURE_COUNT] = {
-    "SPHERE",
-    "PLANE",
-    "DISC",
-    "BOX",
-    "TRIANGLE",
-    "POLYGON",
-    "CONE",
-    "SMOOTH",
-    "ONE_SIDED",
-    "DIFFUSE",
-    "SPECULAR",
-    "DIFFUSE_TRANSMISSION",
-    "SPECULAR_TRANSMISSION",
-    "REFLECTION",
-    "TRANSMISSION",
-    "PRIORITY",
-    "FRESNEL",
-    "TOTAL_REFLECTION",
-    "SHADOWS",
-    "FILTERED_SHADOWS",
-    "TREE",
+    "sphere",
+    "plane",
+    "disc",
+    "box",
+    "triangle",
+    "polygon",
+    "cone",
+    "smooth",
+    "one_sided",
+    "diffuse",
+    "specular",
+    "diffuse_transmission",
+    "specular_transmission",
+    "reflection",
+    "transmission",
+    "priority",
+    "fresnel",
+    "total_reflection",
+    "shadows",
+    "filtered_shadows",
+    "tree",
 };
 
 bool is_black(vec3 colour) {
     return colour.x == 0 && colour.y == 0 && colour.z == 0;
 }
+
+const uint32_t all_features = (UINT32_C(1) << FEATURE_COUNT) - 1;
 
 static uint32_t bit(feature feature, bool on) {
     return on ? UINT32_C(1) << feature : 0;
@@ -55,7 +57,7 @@ static uint32_t material_features(const scene_material *m) {
            bit(FEATURE_PRIORITY, m->priority != 0 && !is_black(m->transmission));
 }
 
-uint32_t scene_features(const feeler_scene *scene) {
+static uint32_t scene_features(const feeler_scene *scene) {
     uint32_t features = 0;
     for (size_t i = 0; i < scene->object_count; i++)
         features |=
@@ -68,15 +70,14 @@ uint32_t scene_features(const feeler_scene *scene) {
     return features;
 }
 
-/* Whether there are shadows is a setting, not something that a scene might do without. */
-uint32_t general_features(uint32_t features) {
-    uint32_t settings = bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true) | bit(FEATURE_TREE, true);
-    return (bit(FEATURE_COUNT, true) - 1) & (~settings | features);
-}
-
-int scene_media(const feeler_scene *scene) {
-    int media = 1;
-    for (size_t i = 0; i < scene->object_count && media < MOST_MEDIA; i++)
-        media += !is_black(scene->materials[scene->objects[i].material].transmission);
-    return media;
+needs choose_needs(const feeler_scene *scene, const feeler_settings *s) {
+    uint32_t settings = bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true);
+    needs n = {.features = scene_features(scene), .media = MOST_MEDIA};
+    if (s->general) /* whether there are shadows is a setting, not something that a scene might do without */
+        n.features |= all_features & ~settings;
+    n.features &= ~bit(FEATURE_TREE, true);
+    n.features |= bit(FEATURE_TREE, !s->brute_force);
+    if (!(n.features & bit(FEATURE_TRANSMISSION, true)))
+        n.media = 1;
+    return n;
 }

@@ -2,7 +2,6 @@
 #include "packed.h"
 #include "program.h"
 
-#include <ctype.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,12 +33,8 @@ static json_t *memory_json(const packed *p) {
 static json_t *features_json(uint32_t features) {
     json_t *json = json_array();
     for (int i = 0; i < FEATURE_COUNT; i++)
-        if (features >> i & 1) {
-            char name[64] = "";
-            for (size_t c = 0; feature_names[i][c] && c + 1 < sizeof name; c++)
-                name[c] = (char)tolower((unsigned char)feature_names[i][c]);
-            json_array_append_new(json, json_string(name));
-        }
+        if (features >> i & 1)
+            json_array_append_new(json, json_string(feature_names[i]));
     return json;
 }
 
@@ -50,7 +45,8 @@ static json_t *warnings_json(const feeler_scene *scene) {
     return json;
 }
 
-static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, const packed *p, const char *options) {
+static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, const packed *p, needs n,
+                         const char *options) {
     static const char *const levels[] = {"draft", "standard", "reference"};
     json_t *json = json_object();
     json_object_set_new(json, "name", json_string(scene->name ? scene->name : ""));
@@ -63,7 +59,7 @@ static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, co
     json_object_set_new(json, "depth", json_integer(s->depth));
     json_object_set_new(json, "cutoff", json_real(s->cutoff));
     json_object_set_new(json, "level", json_string(levels[s->level]));
-    json_object_set_new(json, "features", features_json(p->features));
+    json_object_set_new(json, "features", features_json(n.features));
     json_object_set_new(json, "options", json_string(options));
     json_object_set_new(json, "tree_nodes", json_integer((json_int_t)p->arrays[ARRAY_NODES].count));
     json_object_set_new(json, "memory_bytes", memory_json(p));
@@ -80,9 +76,10 @@ char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *s
         return NULL;
     if (pack_scene(&p, scene, s.level == FEELER_REFERENCE, s.brute_force, error) < 0)
         return NULL;
-    char *text = NULL, *options = program_options(&s, p.features, p.media, error);
+    const needs n = choose_needs(scene, &s);
+    char *text = NULL, *options = program_options(&s, n, error);
     if (options) {
-        json_t *json = info_json(scene, &s, &p, options);
+        json_t *json = info_json(scene, &s, &p, n, options);
         text = json ? json_dumps(json, JSON_INDENT(2)) : NULL;
         json_decref(json);
         if (!text)

@@ -20,8 +20,7 @@ typedef struct slot {
 typedef struct job {
     feeler_device *device;
     feeler_settings settings; /* resolved */
-    uint32_t features;
-    int media;
+    needs needs;
     packed packed;
     upload upload;
     program program;
@@ -31,6 +30,7 @@ typedef struct job {
     tiles tiles;
     feeler_image *image;
     double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */
+    double taken;                       /* when the last tile was finished */
     size_t done;                        /* pixels */
 } job;
 

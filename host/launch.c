@@ -111,13 +111,17 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     if (status != CL_SUCCESS)
         return fail_cl(error, "clEnqueueNDRangeKernel", status);
     const size_t colours = count * 4 * real_size(j);
-    status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, NULL);
+    cl_event before[2] = {NULL, NULL}; /* one read after another, whatever order the queue keeps */
+    status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, &before[0]);
     if (status == CL_SUCCESS)
-        status =
-            clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &s->launched, NULL);
+        status = clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &before[0],
+                                     &before[1]);
     if (status == CL_SUCCESS)
         status = clEnqueueReadBuffer(queue, s->tallies, CL_FALSE, 0, count * sizeof(tally), s->host_tallies, 1,
-                                     &s->launched, &s->read);
+                                     &before[1], &s->read);
+    for (int i = 0; i < 2; i++)
+        if (before[i])
+            clReleaseEvent(before[i]);
     if (status == CL_SUCCESS)
         status = clFlush(queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);

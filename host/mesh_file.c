@@ -63,10 +63,13 @@ static const char *ending_of(const char *path) {
 
 static int read_file(import *in) {
     char why[512] = "";
+    mesh_fault fault = {0};
     const char *ending = ending_of(in->path);
-    int code = mesh_check_file(in->path, why, sizeof why);
+    int code = mesh_check_file(in->path, &fault);
+    if (code != FEELER_OK && fault.line)
+        return fail_at(in->error, code, (place){in->path, fault.line, fault.column}, "%s", fault.text);
     if (code != FEELER_OK)
-        return refuse(in, code, "%s", why);
+        return refuse(in, code, "%s", fault.text);
     if (!ending[0] || !ending[1])
         return refuse(in, FEELER_BAD_INPUT, "the file's name has no ending that tells its format");
     if (!aiIsExtensionSupported(ending))

@@ -4,13 +4,28 @@
 
 #include "scene.h"
 
+#include <stdio.h>
+
 struct aiMaterial;
 
+/* What is wrong with a file, and where: line and column count from 1, 0 where it is the file as a whole. */
+typedef struct mesh_fault {
+    int line, column;
+    char text[512];
+} mesh_fault;
+
 /* mesh_check.c: what assimp does not see. FEELER_OK when the file at `path` can be opened, is no folder, is not empty, and,
- * being PLY or STL, is whole; else another feeler_code, with the reason in `why`. */
-int mesh_check_file(const char *path, char *why, size_t size);
+ * being OBJ, PLY or STL, is whole and spells its numbers as numbers; else another feeler_code, with the reason in `fault`. */
+int mesh_check_file(const char *path, mesh_fault *fault);
 /* Whether the file's name ends so, whatever the case; `ending` with its dot. */
 bool mesh_ends_with(const char *path, const char *ending);
+
+/* mesh_text.c. Each returns as mesh_check_file does. */
+
+/* Whether the text is one number, and where asked a finite one. */
+int mesh_check_number(const char *text, bool finite, char *why, size_t size);
+int mesh_check_obj(FILE *file, size_t length, mesh_fault *fault);
+int mesh_check_stl_text(FILE *file, size_t length, mesh_fault *fault);
 
 /* mesh_triangulate.c: cuts a planar face, convex or concave, into count - 2 triangles of the same winding. `corners` are indices
  * of vertices, at least 3, and are used up; `triangles` has room for three times count - 2. */

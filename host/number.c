@@ -83,6 +83,14 @@ static double strtod_c(const char *text) {
     return value;
 }
 
+number_result number_check(const char *text) {
+    decimal number;
+    double value;
+    if (read_decimal(text, &number) && number.digits + (long)number.exponent <= 308) /* below 10^308 */
+        return NUMBER_OK;
+    return number_read(text, &value);
+}
+
 number_result number_read(const char *text, double *value) {
     static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};

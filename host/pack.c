@@ -95,7 +95,7 @@ static int pack_plane(packed *p, const scene_object *object, feeler_error *error
 
 /* How far a disc of radius r with this unit normal reaches along each axis. */
 static vec3 disc_reach(vec3 n, double r) {
-    return (vec3){r * sqrt(fmax(0, 1 - n.x * n.x)), r * sqrt(fmax(0, 1 - n.y * n.y)), r * sqrt(fmax(0, 1 - n.z * n.z))};
+    return (vec3){r * hypot(n.y, n.z), r * hypot(n.z, n.x), r * hypot(n.x, n.y)};
 }
 
 static int pack_disc(packed *p, const scene_object *object, feeler_error *error) {
@@ -280,7 +280,7 @@ static int pack_materials(packed *p, const feeler_scene *scene, feeler_error *er
 
 static int pack_lights(packed *p, const feeler_scene *scene, feeler_error *error) {
     light *out = array_add(&p->arrays[ARRAY_LIGHTS], scene->light_count, error);
-    if (!out && scene->light_count)
+    if (!out)
         return -1;
     for (size_t i = 0; i < scene->light_count; i++) {
         const scene_light *l = &scene->lights[i];
@@ -296,8 +296,6 @@ int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_
     memcpy(p->arrays, empty_arrays, sizeof empty_arrays);
     p->is_double = is_double;
     p->origin = scene_origin(scene);
-    p->features = scene_features(scene);
-    p->media = scene_media(scene);
     int status = pack_materials(p, scene, error);
     if (status == 0)
         status = pack_lights(p, scene, error);

@@ -33,7 +33,7 @@ typedef enum packed_array {
     ARRAY_COUNT
 } packed_array;
 
-/* What a scene may need; names[i] is the kernels' HAS_… of bit i. */
+/* What a scene may need: the kernels' HAS_…, by these names. */
 typedef enum feature {
     FEATURE_SPHERE,
     FEATURE_PLANE,
@@ -60,14 +60,25 @@ typedef enum feature {
 } feature;
 
 extern const char *const feature_names[FEATURE_COUNT];
+extern const uint32_t all_features;
+
+/* What a kernel is built for. */
+typedef struct needs {
+    uint32_t features; /* bit i: feature i */
+    int media;         /* length of a ray's list of media */
+} needs;
+
+/* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
+enum { MOST_MEDIA = 8 };
+
+/* What the scene needs, or with settings->general everything that the settings do not forbid. */
+needs choose_needs(const feeler_scene *scene, const feeler_settings *settings);
 
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
-    vec3 origin;       /* of the packed coordinates, in the scene's */
-    uint32_t features; /* bit i: feature i */
-    int media;         /* length of a ray's list of media */
-    size_t bounded;    /* primitives in blocks; the others are planes, whose numbers come after the blocks' */
+    vec3 origin;    /* of the packed coordinates, in the scene's */
+    size_t bounded; /* primitives in blocks; the others are planes, whose numbers come after the blocks' */
     size_t blocks;
     double tree_seconds;
 } packed;
@@ -76,14 +87,6 @@ typedef struct packed {
 int pack_scene(packed *packed, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error);
 void packed_free(packed *packed);
 
-/* The features of a scene (all but the tree), and the media that its rays may be in at once. */
-uint32_t scene_features(const feeler_scene *scene);
-int scene_media(const feeler_scene *scene);
-/* Everything, but for what is a setting: those as in `features`. */
-uint32_t general_features(uint32_t features);
-
-/* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
-enum { MOST_MEDIA = 8 };
 bool is_black(vec3 colour);
 
 /* Where a scene's coordinates are moved to: the middle of what is bounded, if that is far from 0 for its size. */

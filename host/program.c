@@ -3,6 +3,7 @@
 
 #include "clock.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,29 +30,39 @@ static int stack_size(const feeler_settings *s) {
     return size;
 }
 
-size_t work_item_bytes(const feeler_settings *s, uint32_t features, int media) {
+size_t work_item_bytes(const feeler_settings *s, needs n) {
     size_t lane = s->level == FEELER_REFERENCE ? 8 : 4;
-    size_t packet = (size_t)(10 + (has(features, FEATURE_TRANSMISSION) ? media : 0)) * lane * (size_t)s->lanes + 64;
-    bool stacks = has(features, FEATURE_REFLECTION) && has(features, FEATURE_TRANSMISSION);
+    size_t packet = (size_t)(10 + (has(n.features, FEATURE_TRANSMISSION) ? n.media : 0)) * lane * (size_t)s->lanes + 64;
+    bool stacks = has(n.features, FEATURE_REFLECTION) && has(n.features, FEATURE_TRANSMISSION);
     return packet * (size_t)(stacks ? stack_size(s) + 4 : 4);
 }
 
-char *program_options(const feeler_settings *s, uint32_t features, int media, feeler_error *error) {
+/* Writes " -DHAS_NAME=0" or 1 for a feature. */
+static size_t print_feature(char *text, size_t size, feature feature, bool on) {
+    char name[64];
+    size_t length = 0;
+    for (; feature_names[feature][length] && length + 1 < sizeof name; length++)
+        name[length] = (char)toupper((unsigned char)feature_names[feature][length]);
+    name[length] = '\0';
+    return (size_t)snprintf(text, size, " -DHAS_%s=%d", name, on);
+}
+
+char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
     const char *extra = getenv("FEELER_KERNEL_OPTIONS");
-    size_t size = 1024 + FEATURE_COUNT * 40 + (extra ? strlen(extra) : 0), used;
+    size_t size = 1024 + FEATURE_COUNT * 80 + (extra ? strlen(extra) : 0), used;
     char *text = malloc(size);
     if (!text) {
         fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
         return NULL;
     }
-    used =
-        (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DSTACK=%d -DMEDIA=%d", s->lanes, s->samples > 1 ? s->lanes : 1, stack_size(s), media);
+    used = (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DSTACK=%d -DMEDIA=%d", s->lanes,
+                            s->samples > 1 ? s->lanes : 1, stack_size(s), n.media);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)
         used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
     for (int i = 0; i < FEATURE_COUNT; i++)
-        used += (size_t)snprintf(text + used, size - used, " -DHAS_%s=%d", feature_names[i], has(features, (feature)i));
+        used += print_feature(text + used, size - used, (feature)i, has(n.features, (feature)i));
     if (extra)
         snprintf(text + used, size - used, " %s", extra);
     return text;
@@ -59,21 +70,16 @@ char *program_options(const feeler_settings *s, uint32_t features, int media, fe
 
 char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s = *settings;
-    uint32_t features = (UINT32_C(1) << FEATURE_COUNT) - 1;
-    int media = MOST_MEDIA;
+    needs n = {all_features, MOST_MEDIA};
     if (!scene) {
-        if (s.lanes == 0)
-            s.lanes = 1;
-        if (s.depth == 0)
-            s.depth = 16;
+        s.lanes = s.lanes ? s.lanes : 1;
+        s.depth = s.depth ? s.depth : 16;
     } else {
         if (resolve_settings(scene, settings, &s, error) < 0)
             return NULL;
-        features = scene_features(scene) | (s.brute_force ? 0 : UINT32_C(1) << FEATURE_TREE);
-        features = s.general ? general_features(features) : features;
-        media = s.general ? MOST_MEDIA : scene_media(scene);
+        n = choose_needs(scene, &s);
     }
-    return program_options(&s, features, media, error);
+    return program_options(&s, n, error);
 }
 
 /* The first error of a build log as the message, the log whole beside it. */
@@ -95,6 +101,13 @@ static int fail_build(feeler_error *error, cl_program program, cl_device_id devi
     return -1;
 }
 
+/* The error bounds of hit points count on it; a device that cannot is off by up to 3 ulp (OpenCL 1.2, 7.4). */
+static bool rounds_correctly(const feeler_device *device) {
+    cl_device_fp_config config = 0;
+    return clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof config, &config, NULL) == CL_SUCCESS &&
+           (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT);
+}
+
 static cl_program build(const feeler_device *device, const char *options, feeler_error *error) {
     cl_int status;
     const char *source = feeler_kernel_source();
@@ -103,7 +116,10 @@ static cl_program build(const feeler_device *device, const char *options, feeler
         fail_cl(error, "clCreateProgramWithSource", status);
         return NULL;
     }
-    status = clBuildProgram(program, 1, &device->id, options, NULL, NULL);
+    char exact[4096];
+    snprintf(exact, sizeof exact, "%s%s", options,
+             rounds_correctly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
+    status = clBuildProgram(program, 1, &device->id, exact, NULL, NULL);
     if (status == CL_SUCCESS)
         return program;
     fail_build(error, program, device->id, status);
@@ -171,22 +187,29 @@ void program_free(program *p) {
 /* A CPU driver keeps the stacks of a whole group on one thread's stack: past about 8 MiB the process would crash. */
 enum { CACHE_BYTES = 256 * 1024, MOST_STACK_BYTES = 4 * 1024 * 1024 };
 
-int choose_work_group(const feeler_device *device, const feeler_settings *s, uint32_t features, int media, int group[2],
-                      feeler_error *error) {
-    size_t bytes = work_item_bytes(s, features, media);
+int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *s, needs n,
+                      int group[2], feeler_error *error) {
+    size_t bytes = work_item_bytes(s, n), most = 0;
+    cl_int status =
+        clGetKernelWorkGroupInfo(program->render, device->id, CL_KERNEL_WORK_GROUP_SIZE, sizeof most, &most, NULL);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clGetKernelWorkGroupInfo", status);
+    if (most > device->max_work_group)
+        most = device->max_work_group;
     group[0] = s->work_group[0];
     group[1] = s->work_group[1];
     if (group[0] == 0) {
         group[0] = group[1] = 8;
         while (group[0] * group[1] > 1 && ((device->is_cpu && (size_t)(group[0] * group[1]) * bytes > CACHE_BYTES) ||
-                                           (size_t)(group[0] * group[1]) > device->max_work_group))
+                                           (size_t)(group[0] * group[1]) > most))
             group[group[0] > group[1] ? 0 : 1] /= 2;
         return 0;
     }
     size_t items = (size_t)group[0] * (size_t)group[1];
-    if (items > device->max_work_group)
-        return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d: '%s' takes at most %zu work-items", group[0],
-                    group[1], device->name, device->max_work_group);
+    if (items > most)
+        return fail(error, FEELER_BAD_USAGE,
+                    "a work group of %d x %d: '%s' takes at most %zu work-items of this kernel", group[0], group[1],
+                    device->name, most);
     if (device->is_cpu && items * bytes > MOST_STACK_BYTES)
         return fail(error, FEELER_BAD_USAGE,
                     "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe", group[0],

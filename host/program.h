@@ -16,17 +16,17 @@ int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, fe
                      feeler_error *error);
 
 /* The build options for resolved settings and what a scene needs. To be freed. */
-char *program_options(const feeler_settings *resolved, uint32_t features, int media, feeler_error *error);
+char *program_options(const feeler_settings *resolved, needs needs, feeler_error *error);
 
 /* Builds, or takes what the device has built before. */
 int program_build(program *program, feeler_device *device, const char *options, feeler_error *error);
 void program_free(program *program);
 
 /* About how much of a CPU thread's stack one work-item takes, in bytes. */
-size_t work_item_bytes(const feeler_settings *resolved, uint32_t features, int media);
+size_t work_item_bytes(const feeler_settings *resolved, needs needs);
 
-/* The work group to use: the one asked for, if the device can, else one whose stacks stay near the cache. */
-int choose_work_group(const feeler_device *device, const feeler_settings *resolved, uint32_t features, int media,
+/* The work group to use: the one asked for, if device and kernel can, else one whose stacks stay near the cache. */
+int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *resolved, needs needs,
                       int work_group[2], feeler_error *error);
 
 #endif

@@ -3,7 +3,6 @@
 #include "clock.h"
 #include "job.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,7 +91,10 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     if (status != CL_SUCCESS)
         return fail_cl(error, "clWaitForEvents", status);
     const size_t count = tile_pixels(&s->tile);
-    double wall = seconds_now() - s->start, seconds = launch_seconds(s);
+    /* A launch waits for the one before it: only then does its own time begin. */
+    const double now = seconds_now(), wall = now - fmax(s->start, j->taken);
+    double seconds = launch_seconds(s);
+    j->taken = now;
     if (seconds < 0)
         seconds = wall;
     /* A driver may compile for this group size at the first launch. */
@@ -127,6 +129,8 @@ static int run_tiles(job *j, feeler_progress progress, void *user, feeler_error 
     for (int i = 0; i < 2; i++)
         if (finish_tile(j, &j->slots[(turn + i) & 1], false, error) < 0)
             return -1;
+    if (progress && !stop)
+        stop = progress(user, (double)j->done / all);
     if (stop && (double)j->done < all)
         fail(error, FEELER_INTERRUPTED, "interrupted at %.0f %%", 100 * (double)j->done / all);
     return 0;
@@ -152,24 +156,21 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const feeler_settings *s = &j->settings;
     if (pack_scene(&j->packed, scene, s->level == FEELER_REFERENCE, s->brute_force, error) < 0)
         return -1;
-    j->features = s->general ? general_features(j->packed.features) : j->packed.features;
-    j->media = s->general ? MOST_MEDIA : j->packed.media;
+    j->needs = choose_needs(scene, s);
     const view view = pack_view(scene, s, j->packed.origin);
-    if (choose_work_group(j->device, s, j->features, j->media, j->group, error) < 0)
+    if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
         return -1;
-    if (upload_scene(&j->upload, &j->packed, &view, j->media, j->device, error) < 0)
-        return -1;
-    char *options = program_options(s, j->features, j->media, error);
+    char *options = program_options(s, j->needs, error);
     int status = options ? program_build(&j->program, j->device, options, error) : -1;
     free(options);
-    if (status < 0)
+    if (status < 0 || choose_work_group(j->device, &j->program, s, j->needs, j->group, error) < 0)
         return -1;
     j->slot_pixels = slot_room(j);
     for (int i = 0; i < 2; i++)
         if (open_slot(j, &j->slots[i], error) < 0)
             return -1;
     tiles_start(&j->tiles, s->region, j->group, first_budget(j));
-    bool transmits = j->features >> FEATURE_TRANSMISSION & 1;
+    bool transmits = j->needs.features >> FEATURE_TRANSMISSION & 1;
     return transmits ? find_eye_media(j, error) : 0;
 }
 
@@ -179,8 +180,6 @@ static void list_features(uint32_t features, char *text, size_t size) {
     for (int i = 0; i < FEATURE_COUNT; i++)
         if (features >> i & 1)
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", feature_names[i]);
-    for (char *c = text; *c; c++)
-        *c = (char)tolower((unsigned char)*c);
 }
 
 static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_error *error) {
@@ -206,7 +205,7 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     stats->depth = j->settings.depth;
     stats->jitter = j->settings.jitter;
     stats->cutoff = j->settings.cutoff;
-    list_features(j->features, stats->features, sizeof stats->features);
+    list_features(j->needs.features, stats->features, sizeof stats->features);
     return 0;
 }
 

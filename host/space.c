@@ -105,9 +105,10 @@ static int compare_edges(const void *a, const void *b) {
 
 int mesh_is_closed(const scene_mesh *mesh, feeler_error *error) {
     size_t count = 3 * mesh->triangle_count;
-    uint64_t *edges = malloc((count ? 2 * count : 1) * sizeof *edges), *back = edges + count;
+    uint64_t *edges = malloc((count ? 2 * count : 1) * sizeof *edges);
     if (!edges)
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the edges of a mesh");
+    uint64_t *back = edges + count;
     for (size_t i = 0; i < count; i++) {
         uint64_t a = mesh->indices[i], b = mesh->indices[i % 3 == 2 ? i - 2 : i + 1];
         edges[i] = a << 32 | b;

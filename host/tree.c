@@ -79,7 +79,7 @@ static void set_bounds(void *node, const struct RTCBounds **boxes, unsigned int 
 static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuildPrimitive *primitives, size_t count,
                          void *user) {
     (void)user;
-    branch *b = rtcThreadLocalAlloc(allocator, sizeof *b, 16);
+    branch *b = count <= WIDTH ? rtcThreadLocalAlloc(allocator, sizeof *b, 16) : NULL;
     if (!b)
         return NULL;
     b->count = count;
@@ -317,7 +317,9 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
     branch *root = bvh ? rtcBuildBVH(&arguments) : NULL;
     int status = -1;
     if (!root)
-        fail(error, FEELER_OUT_OF_MEMORY, "Embree could not build a tree over %zu primitives", p->bounded);
+        fail(error,
+             device && rtcGetDeviceError(device) != RTC_ERROR_OUT_OF_MEMORY ? FEELER_DEVICE : FEELER_OUT_OF_MEMORY,
+             "Embree could not build a tree over %zu primitives", p->bounded);
     else if (reserve(&p->arrays[ARRAY_NODES], p->bounded + 1, error) == 0 &&
              reserve(&p->arrays[ARRAY_LINKS], WIDTH * (p->bounded + 1), error) == 0) {
         size_t top;
@@ -392,8 +394,6 @@ int build_tree(packed *p, bool brute_force, feeler_error *error) {
     free(numbers);
     if (status == 0)
         status = list_planes(p, error);
-    if (status == 0 && !brute_force && p->bounded)
-        p->features |= UINT32_C(1) << FEATURE_TREE;
     p->tree_seconds = seconds_now() - start;
     return status;
 }

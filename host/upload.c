@@ -4,19 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* OpenCL knows no empty buffer: what a scene lacks is 64 bytes that nothing reads. */
+/* OpenCL knows no empty buffer: what a scene lacks is one element of zeros, which lanes without a hit may read. */
 static cl_mem copy_buffer(const feeler_device *device, const void *data, size_t size, feeler_error *error) {
-    static const double nothing[16];
+    static const material nothing;
     cl_int status;
-    if (size < sizeof nothing && !data) {
-        data = nothing;
+    if (!data) {
+        data = &nothing;
         size = sizeof nothing;
     }
     cl_mem buffer =
         clCreateBuffer(device->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, size, (void *)data, &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateBuffer", status);
-        if (error)
+        if (error && (status == CL_MEM_OBJECT_ALLOCATION_FAILURE || status == CL_OUT_OF_HOST_MEMORY))
             error->code = FEELER_OUT_OF_MEMORY;
         return NULL;
     }

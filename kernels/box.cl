@@ -1,12 +1,13 @@
-// box.cl - the axis-aligned box: its own bounds.
+// box.cl - the axis-aligned box: its own bounds. It is met where its widened interval is not empty, but left where its planes
+// are, so that boxes that share a plane agree on it.
 
 crossing intersect_box(ray r, vectors low, vectors high, uint flags) {
-    const interval i = intersect_bounds(r, low, high);
-    return first_ahead(r, i.near <= i.far, i.near, i.far, flags);
+    const interval i = intersect_slabs(r, low, high);
+    return first_ahead(r, i.near <= widen(i.far), i.near, max(i.near, i.far), flags);
 }
 
-// The face hit is the one whose plane is nearest to the point, in units of what can be told apart there; its coordinate is
-// set exactly, the others are kept inside.
+// The face hit is the one whose plane the ray meets nearest to the hit's distance; its coordinate is set exactly, the others
+// are kept inside.
 surface surface_box(ray r, reals distance, vectors low, vectors high) {
     const vectors zero = make_vectors(splat(0), splat(0), splat(0));
     const vectors p = along(r.origin, r.direction, distance);

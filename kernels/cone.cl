@@ -121,7 +121,7 @@ surface surface_cone(ray r, reals distance, reals part, frustum f) {
     p.x *= stretch;
     p.y *= stretch;
     surface s;
-    s.normal = s.shading = normalise(from_frame(f, normal));
+    s.normal = s.shading = normalise_or(from_frame(f, normal), negate(r.direction));
     s.point = add(f.base, from_frame(f, p));
     const vectors in_frame =
         add(absolute(scale(f.u, p.x)), add(absolute(scale(f.v, p.y)), absolute(scale(f.axis, p.z))));

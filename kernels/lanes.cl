@@ -192,10 +192,6 @@ vectors choose(ints m, vectors a, vectors b) {
     return make_vectors(m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z);
 }
 
-reals choose_real(ints m, reals a, reals b) {
-    return m ? a : b;
-}
-
 // a where m, else 0.
 vectors where(ints m, vectors a) {
     return choose(m, a, make_vectors(splat(0), splat(0), splat(0)));
@@ -205,16 +201,23 @@ vectors normalise(vectors a) {
     return scale(a, splat(1) / sqrt(dot3(a, a)));
 }
 
+// The same, or `other` where a has no length.
+vectors normalise_or(vectors a, vectors other) {
+    const reals squared = dot3(a, a);
+    const ints usable = squared > splat(0);
+    return choose(usable, scale(a, splat(1) / sqrt(usable ? squared : splat(1))), other);
+}
+
 // The real4 at index, and every `stride` reals from `first` on, for each ray.
 quads gather(global const real *first, ints index, int stride) {
     quads q;
 #if RAYS == 1
-    const real4 v = *(global const real4 *)(first + INT_LANE(index, 0) * stride);
+    const real4 v = *(global const real4 *)(first + (size_t)INT_LANE(index, 0) * stride);
     q.xyz = splat_xyz(v);
     q.w = splat(v.w);
 #else
     for (int lane = 0; lane < LANES; lane++) {
-        const real4 v = *(global const real4 *)(first + INT_LANE(index, lane) * stride);
+        const real4 v = *(global const real4 *)(first + (size_t)INT_LANE(index, lane) * stride);
         REAL_LANE(q.xyz.x, lane) = v.x;
         REAL_LANE(q.xyz.y, lane) = v.y;
         REAL_LANE(q.xyz.z, lane) = v.z;

@@ -22,6 +22,13 @@ reals difference_of_products(reals a, reals b, reals c, reals d) {
     return difference + error;
 }
 
+// The power of two that brings x >= 0 to [1, 2): with it, the errors of products do not vanish among the denormal numbers,
+// and a scene that is scaled by a power of two keeps its bits.
+reals power_over(reals x) {
+    const ints exponent = AS_INTS(x) & ~((((integer)1) << MANTISSA) - 1);
+    return AS_REALS((((integer)(2 * EXPONENT_BIAS)) << MANTISSA) - exponent);
+}
+
 vectors cross3(vectors a, vectors b) {
     return make_vectors(difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
                         difference_of_products(a.x, b.y, a.y, b.x));

@@ -8,7 +8,9 @@ crossing intersect_polygon(ray r, global const real4 *corners, uint count, vecto
     vectors a = apply_shear(r, splat_xyz(corners[count - 1]));
     for (uint i = 0; i < count; i++) {
         const vectors b = apply_shear(r, splat_xyz(corners[i]));
-        const reals side = difference_of_products(a.x, b.y, a.y, b.x);
+        const reals unit = power_over(max(largest_across(a), largest_across(b)));
+        const vectors p = scale_across(a, unit), q = scale_across(b, unit);
+        const reals side = difference_of_products(p.x, q.y, p.y, q.x);
         const ints crosses = (a.y > splat(0)) != (b.y > splat(0));
         const ints right = ((side > splat(0)) & (b.y > a.y)) | ((side < splat(0)) & (b.y < a.y));
         inside ^= crosses & right;

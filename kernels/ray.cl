@@ -7,16 +7,17 @@ typedef struct {
     reals x, y, z;
 } shear;
 
-// Rays that go through surfaces step from hit to hit: what comes next is farther than `least`, or as far and of a higher
-// primitive number than the last; `again` says of the primitive at hand that its number is higher.
+// Whether there are rays that go on through surfaces.
 #define STEPS (HAS_TRANSMISSION || HAS_FILTERED_SHADOWS)
 
+// The direction has length 1. A ray that goes through surfaces steps from hit to hit: what comes next is farther than
+// `least`, or as far and of a higher primitive number than the last; `again` says that the primitive at hand has one.
 typedef struct {
     vectors origin, direction, inverse;
     shear shear;
     reals least;
     ints last, again;
-} ray; // direction of length 1
+} ray;
 
 // The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
 typedef struct {
@@ -78,14 +79,35 @@ vectors apply_shear(ray r, vectors point) {
                         fma(-r.shear.y, z, component(p, r.shear.axis, 2)), z * r.shear.z);
 }
 
-// The ray's interval in a box, never too small (Ize 2013, Robust BVH Ray Traversal). Tree and primitives ask this one
-// function, which is monotone in the box: that is why the tree cannot change a picture.
-interval intersect_bounds(ray r, vectors low, vectors high) {
+// Of a sheared point, across the ray: the larger coordinate's size, and both multiplied.
+reals largest_across(vectors p) {
+    return max(fabs(p.x), fabs(p.y));
+}
+
+vectors scale_across(vectors p, reals s) {
+    return make_vectors(p.x * s, p.y * s, p.z);
+}
+
+// The end of an interval, moved out past what rounding may have taken (Ize 2013, Robust BVH Ray Traversal).
+reals widen(reals far) {
+    return far * (R(1) + R(2) * GAMMA(3));
+}
+
+// The ray's interval between a box's three pairs of planes.
+interval intersect_slabs(ray r, vectors low, vectors high) {
     const vectors a = mul(sub(low, r.origin), r.inverse);
     const vectors b = mul(sub(high, r.origin), r.inverse);
     interval i;
     i.near = max(max(min(a.x, b.x), min(a.y, b.y)), min(a.z, b.z));
-    i.far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z)) * (R(1) + R(2) * GAMMA(3));
+    i.far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z));
+    return i;
+}
+
+// The same, never too small. Tree and primitives ask this one function, which is monotone in the box: that is why the tree
+// cannot change a picture.
+interval intersect_bounds(ray r, vectors low, vectors high) {
+    interval i = intersect_slabs(r, low, high);
+    i.far = widen(i.far);
     return i;
 }
 

@@ -17,7 +17,10 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
 
 surface surface_sphere(ray r, reals distance, vectors centre, reals radius) {
     surface s;
-    s.normal = normalise(along(sub(r.origin, centre), r.direction, distance));
+    // Where float cannot tell the sphere's points apart any more, the side that is seen. Divided by the radius first: the
+    // square of a tiny length would vanish.
+    const vectors out = scale(along(sub(r.origin, centre), r.direction, distance), splat(1) / radius);
+    s.normal = normalise_or(out, negate(r.direction));
     s.shading = s.normal;
     const vectors p = scale(s.normal, radius);
     s.point = add(centre, p);

@@ -22,12 +22,12 @@ typedef struct {
 // Whether anything asks for the direction of transmission.
 #define BENDS (HAS_TRANSMISSION || HAS_SPECULAR_TRANSMISSION || HAS_FRESNEL)
 
-// What a packet meets: hits, surfaces, and for transmission the boundary.
+// What a packet meets: hits, surfaces, and for transmission the boundary; `touched` where another medium's is at its place.
 typedef struct {
     hit h;
     identity id;
     surface f;
-    ints entering;
+    ints entering, touched;
 #if BENDS
     boundary b;
 #endif
@@ -58,6 +58,7 @@ encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints acti
         const ints medium = transmits(s, id.material);
         e.b.visible &= !active | medium;
         active &= medium;
+        e.touched |= active;
         const boundary both = merge_boundary(s, e.b, id.material, dot3(f.normal, p.direction) < splat(0));
         e.b = choose_boundary(active, both, e.b);
         e.h.distance = active ? h.distance : e.h.distance;
@@ -78,6 +79,7 @@ encounter meet(const scene *s, packet p, ray r, ints active) {
     const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, p.in, e.id.material, e.entering);
     e.b = choose_boundary(medium, e.b, meet_opaque(s, p.in, e.id.material, e.entering));
+    e.touched = mask(false);
     e = merge_touching(s, p, r, e, medium);
 #elif BENDS
     const reals index = index_of(s, e.id.material);
@@ -93,6 +95,7 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
     a.entering = m ? a.entering : b.entering;
+    a.touched = m ? a.touched : b.touched;
     a.b = choose_boundary(m, a.b, b.b);
     return a;
 }
@@ -100,14 +103,14 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
 
 // The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
 // list of media changes.
-encounter meet_visible(const scene *s, packet p) {
-    ray r = make_ray(p.origin, p.direction);
-    encounter e = meet(s, p, r, p.active);
+encounter meet_visible(const scene *s, packet *p) {
+    ray r = make_ray(p->origin, p->direction);
+    encounter e = meet(s, *p, r, p->active);
 #if HAS_TRANSMISSION
-    for (ints hidden = p.active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
+    for (ints hidden = p->active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
         r = step_beyond(r, e.h, hidden);
-        p.in = choose_media(hidden, e.b.behind, p.in);
-        e = choose_encounter(hidden, meet(s, p, r, hidden), e);
+        p->in = choose_media(hidden, e.b.behind, p->in);
+        e = choose_encounter(hidden, meet(s, *p, r, hidden), e);
     }
 #endif
     return e;
@@ -183,12 +186,42 @@ packet send_on(packet p, vectors origin, vectors share, vectors direction, ints 
     return next;
 }
 
+// What a packet sends on from a surface; where nothing is transmitted, `transmitted` has no active lane.
+typedef struct {
+    packet reflected, transmitted;
+} children;
+
+children send_children(const scene *s, packet p, encounter e, shade_point q, ints found, real cutoff, uint depth,
+                       tree_sum *sum) {
+    children c;
+    c.reflected = c.transmitted = p;
+    c.reflected.active = c.transmitted.active = mask(false);
+#if HAS_REFLECTION || HAS_TRANSMISSION
+    const shares share = find_shares(s, q, e);
+    const vectors outside = spawn(q.point, q.error, q.normal);
+    c.reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, sum);
+#if HAS_TRANSMISSION
+    const vectors inside = spawn(q.point, choose(e.touched, blur_of(e.f), q.error), negate(q.normal));
+    c.transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, sum);
+    c.transmitted.in = e.b.behind;
+#endif
+#endif
+    sum->rays.x += count_rays(c.reflected.active);
+    sum->rays.y += count_rays(c.transmitted.active);
+    return c;
+}
+
+// What eye rays that hit nothing see is left out where the background is to be transparent.
+vectors see_background(const view *camera, packet p, ints missed) {
+    const bool shows = p.depth > 1 || camera->limits.z == R(0);
+    return where(missed & mask(shows), mul(p.weight, splat_xyz(camera->background)));
+}
+
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
 tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
-    sum.hits = mask(false);
     sum.rays = (uint4)(0);
     sum.deepest = 0;
 #if HAS_REFLECTION && HAS_TRANSMISSION
@@ -196,54 +229,37 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     uint height = 0;
 #endif
     for (;;) {
-        sum.deepest = max(sum.deepest, p.depth);
-        const encounter e = meet_visible(s, p);
+        const encounter e = meet_visible(s, &p);
         const ints found = p.active & (e.h.primitive >= 0);
-        const bool opaque = p.depth > 1 || camera->limits.z == R(0);
-        const ints missed = p.active & !found & mask(opaque);
-        sum.colour = add(sum.colour, where(missed, mul(p.weight, splat_xyz(camera->background))));
+        sum.colour = add(sum.colour, see_background(camera, p, p.active & !found));
+        sum.deepest = max(sum.deepest, p.depth);
         if (p.depth == 1) {
             sum.hits = found;
             sum.rays.w += count_rays(found);
         }
-        p.active = mask(false);
+        children next;
+        next.reflected.active = next.transmitted.active = mask(false);
         if (any_ray(found)) {
             const shade_point q = make_shade_point(p, e);
             const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
             sum.rays.z += lit.feelers;
-#if HAS_REFLECTION || HAS_TRANSMISSION
-            const shares share = find_shares(s, q, e);
-            const real cutoff = camera->limits.x;
-            const vectors outside = spawn(q.point, q.error, q.normal);
-            const packet reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, &sum);
-            sum.rays.x += count_rays(reflected.active);
-#if HAS_TRANSMISSION
-            const vectors inside = spawn(q.point, blur_of(e.f), negate(q.normal));
-            packet transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, &sum);
-            sum.rays.y += count_rays(transmitted.active);
-            transmitted.in = e.b.behind;
-#if HAS_REFLECTION
-            const bool both = any_ray(reflected.active) && any_ray(transmitted.active);
-            if (both)
-                waiting[height++] = transmitted;
-            p = any_ray(reflected.active) ? reflected : transmitted;
-#else
-            p = transmitted;
-#endif
-#else
-            p = reflected;
-#endif
-#endif
+            next = send_children(s, p, e, q, found, camera->limits.x, depth, &sum);
         }
-        if (any_ray(p.active))
-            continue;
+        if (any_ray(next.reflected.active)) {
+            p = next.reflected;
 #if HAS_REFLECTION && HAS_TRANSMISSION
-        if (height > 0) {
-            p = waiting[--height];
-            continue;
-        }
+            if (any_ray(next.transmitted.active))
+                waiting[height++] = next.transmitted;
 #endif
-        return sum;
+        } else if (any_ray(next.transmitted.active)) {
+            p = next.transmitted;
+#if HAS_REFLECTION && HAS_TRANSMISSION
+        } else if (height > 0) {
+            p = waiting[--height];
+#endif
+        } else {
+            return sum;
+        }
     }
 }

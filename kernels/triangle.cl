@@ -1,15 +1,26 @@
 // triangle.cl - Woop, Benthin, Wald 2013, with edges by Kahan's difference of products: their signs are exact for the
 // sheared corners, so that neighbours never both miss and no second pass in double is needed.
 
+// Whether (0, 0) is to the left of the edge from p to q, whose difference of products is e. On the edge, the point counts as
+// moved a little along x and still less along y: of two triangles that share an edge or a corner exactly one is met, as a
+// solid's inside needs it (Edelsbrunner and Muecke 1990, Simulation of Simplicity).
+ints is_left(vectors p, vectors q, reals e) {
+    return (e > splat(0)) | ((e == splat(0)) & ((p.y > q.y) | ((p.y == q.y) & (q.x > p.x))));
+}
+
 crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flags) {
-    const vectors a = apply_shear(r, v0), b = apply_shear(r, v1), c = apply_shear(r, v2);
+    vectors a = apply_shear(r, v0), b = apply_shear(r, v1), c = apply_shear(r, v2);
+    const reals unit = power_over(max(largest_across(a), max(largest_across(b), largest_across(c))));
+    a = scale_across(a, unit);
+    b = scale_across(b, unit);
+    c = scale_across(c, unit);
     const reals e0 = difference_of_products(c.x, b.y, c.y, b.x);
     const reals e1 = difference_of_products(a.x, c.y, a.y, c.x);
     const reals e2 = difference_of_products(b.x, a.y, b.y, a.x);
     const reals sum = e0 + e1 + e2;
-    const reals least = min(min(e0, e1), e2), most = max(max(e0, e1), e2);
+    const ints s0 = is_left(c, b, e0), s1 = is_left(a, c, e1), s2 = is_left(b, a, e2);
     crossing x;
-    x.found = ((least >= splat(0)) | (most <= splat(0))) & (sum != splat(0));
+    x.found = ((s0 & s1 & s2) | !(s0 | s1 | s2)) & (sum != splat(0));
     x.u = e1 / sum; // weights first: no product of three lengths, which would overflow where the scene is large
     x.v = e2 / sum;
     x.distance = fma(e0 / sum, a.z, fma(x.u, b.z, x.v * c.z));
