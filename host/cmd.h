@@ -38,7 +38,7 @@ char *output_scene_name(const char *scene_path);
 char *output_expand(const char *pattern, const char *name);
 /* "a.exr" becomes "a.partial.exr". To be freed; NULL: out of memory. */
 char *output_partial(const char *path);
-/* 0 if a text file can be made there, else -1 and said on stderr. */
+/* 0 if a text file can be made there, else -1 and said on stderr. "-" is stdout, here and below. */
 int output_check_text(const char *path);
 /* Writes a text and a final newline, under this name only when it is whole; a pipe or device is written directly.
  * 0, or -1 and said on stderr. */

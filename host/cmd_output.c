@@ -46,7 +46,13 @@ char *output_expand(const char *pattern, const char *name) {
     return result;
 }
 
+static bool is_stdout(const char *path) {
+    return strcmp(path, "-") == 0;
+}
+
 char *output_partial(const char *path) {
+    if (is_stdout(path))
+        return strdup(path);
     static const char mark[] = ".partial";
     size_t stem = ending_of(path), size = strlen(path) + sizeof mark;
     char *result = malloc(size);
@@ -58,6 +64,8 @@ char *output_partial(const char *path) {
 int output_check_text(const char *path) {
     struct stat info;
     const char *base = base_of(path);
+    if (is_stdout(path))
+        return 0;
     if (stat(path, &info) == 0) {
         if (!S_ISDIR(info.st_mode) && access(path, W_OK) == 0)
             return 0;
@@ -91,6 +99,12 @@ int output_write_text(const char *path, const char *text) {
     char *temporary = malloc(size);
     if (!temporary)
         goto failed;
+    if (is_stdout(path)) {
+        if (puts(text) == EOF || fflush(stdout))
+            goto failed;
+        free(temporary);
+        return 0;
+    }
 
     bool direct = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
     if (direct)

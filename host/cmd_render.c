@@ -39,7 +39,8 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
         {"device", 0, OPTION_TEXT, &j->select, "SELECT", "the first CPU",
          "number or part of a name, see 'feeler devices'", 0, 0},
         {"work-group", 0, OPTION_SIZE, s->work_group, "XxY", "chosen", "work-items of a work-group", 1, 65536},
-        {"stats", 0, OPTION_TEXT, &j->stats, "FILE.json", NULL, "write rays, times and settings as JSON", 0, 0},
+        {"stats", 0, OPTION_TEXT, &j->stats, "FILE.json", NULL, "write rays, times and settings as JSON; - is stdout",
+         0, 0},
         {"quiet", 'q', OPTION_FLAG, &j->quiet, NULL, NULL, "no progress and no summary", 0, 0},
         {0},
     };
@@ -146,7 +147,14 @@ static int trace(job *j, const char *path, const char *name, feeler_image **imag
     if (!*image && error.code != FEELER_INTERRUPTED)
         goto failed;
     feeler_scene_free(scene);
-    return error.code == FEELER_INTERRUPTED ? EXIT_INTERRUPTED : EXIT_DONE;
+    if (error.code != FEELER_INTERRUPTED)
+        return EXIT_DONE;
+    /* Ctrl-C while the kernel was compiled: the first tile alone is not worth a file. */
+    if (!progress.under_way) {
+        feeler_image_free(*image);
+        *image = NULL;
+    }
+    return EXIT_INTERRUPTED;
 failed:
     code = report_error(&error);
     feeler_scene_free(scene);

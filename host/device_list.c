@@ -84,7 +84,7 @@ int device_list_open(device_list *list, feeler_error *error) {
     cl_int status = clGetPlatformIDs(0, NULL, &count);
     if (status == PLATFORM_NOT_FOUND_KHR || (status == CL_SUCCESS && count == 0))
         return fail(error, FEELER_DEVICE,
-                    "no OpenCL platform found: install a driver (on Debian "
+                    "no OpenCL platform found (or too little memory to load its driver): install one (on Debian "
                     "'apt install pocl-opencl-icd' for the CPU), then try 'feeler doctor'");
     if (status != CL_SUCCESS)
         return fail_cl(error, "clGetPlatformIDs", status);
@@ -102,7 +102,8 @@ int device_list_open(device_list *list, feeler_error *error) {
             goto failed;
     if (list->count == 0) {
         fail(error, FEELER_DEVICE,
-             "%u OpenCL platform%s found, but no device: install a driver that has one (on Debian "
+             "%u OpenCL platform%s found, but no device (or too little memory to open it): install a driver that has "
+             "one (on Debian "
              "'apt install pocl-opencl-icd' for the CPU), then try 'feeler doctor'",
              count, count == 1 ? "" : "s");
         goto failed;

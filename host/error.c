@@ -54,11 +54,26 @@ int fail_at(feeler_error *error, int code, place place, const char *format, ...)
     return -1;
 }
 
+/* For an error that nobody put into words. */
+static const char *unknown_error(int code) {
+    static const char *const texts[] = {
+        [FEELER_OK] = "unknown error",
+        [FEELER_BAD_INPUT] = "unknown error in a scene or setting",
+        [FEELER_BAD_USAGE] = "unknown error: an argument is wrong",
+        [FEELER_IO] = "unknown error while reading or writing a file",
+        [FEELER_OUT_OF_MEMORY] = "out of memory",
+        [FEELER_DEVICE] = "unknown error of the OpenCL device",
+        [FEELER_INTERRUPTED] = "interrupted",
+    };
+    return code > 0 && (size_t)code < sizeof texts / sizeof *texts ? texts[code] : texts[FEELER_OK];
+}
+
 void feeler_error_format(const feeler_error *error, char *buffer, size_t size) {
+    const char *text = error->text[0] ? error->text : unknown_error(error->code);
     if (error->source[0] && error->line > 0)
-        snprintf(buffer, size, "%s:%d:%d: %s", error->source, error->line, error->column, error->text);
+        snprintf(buffer, size, "%s:%d:%d: %s", error->source, error->line, error->column, text);
     else if (error->source[0])
-        snprintf(buffer, size, "%s: %s", error->source, error->text);
+        snprintf(buffer, size, "%s: %s", error->source, text);
     else
-        snprintf(buffer, size, "%s", error->text);
+        snprintf(buffer, size, "%s", text);
 }

@@ -49,7 +49,7 @@ typedef struct feeler_error {
 /* Version of the library, such as "0.1.0". Static. */
 FEELER_API const char *feeler_version(void);
 
-/* "source:line:column: text", leaving out what is absent. Writes at most size bytes, always terminated. */
+/* "source:line:column: text", leaving out what is absent; never empty. Writes at most size bytes, always terminated. */
 FEELER_API void feeler_error_format(const feeler_error *error, char *buffer, size_t size);
 
 /* ---- nodes: a scene's structure, from YAML text or built by a caller ---- */
@@ -141,7 +141,7 @@ FEELER_API int feeler_image_height(const feeler_image *image);
  * the image. */
 FEELER_API const void *feeler_image_pixels(const feeler_image *image);
 FEELER_API int feeler_image_is_double(const feeler_image *image);
-/* Statistics as JSON text (see docs/scene-format.md and README); owned by the image. */
+/* Statistics as JSON text (see docs/command-line.md); owned by the image. */
 FEELER_API const char *feeler_image_stats_json(feeler_image *image, feeler_error *error);
 
 /* Writes by the ending: .exr .hdr (linear float), .png .tif .tiff (8 bit sRGB; 16 with sixteen_bit), .jpg. Written beside
@@ -154,8 +154,8 @@ typedef struct feeler_save_options {
 
 FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options,
                                  feeler_error *error);
-/* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists), else -1: ask before
- * rendering. */
+/* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists, and what writes
+ * pictures is installed), else -1: ask before rendering. */
 FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error);
 
 /* ---- looking inside ---- */

@@ -36,10 +36,14 @@ static void load(void) {
     }
 }
 
+int image_io_ready(const char *path, feeler_error *error) {
+    pthread_once(&once, load);
+    return write_image ? 0 : fail(error, FEELER_IO, "%s: cannot write pictures: %s", path, why);
+}
+
 int image_io_write(const feeler_image *image, const char *path, const char *format_name,
                    const feeler_save_options *options, feeler_error *error) {
-    pthread_once(&once, load);
-    if (!write_image)
-        return fail(error, FEELER_IO, "%s: cannot write pictures: %s", format_name, why);
+    if (image_io_ready(format_name, error))
+        return -1;
     return write_image(image, path, format_name, options, error);
 }

@@ -96,7 +96,9 @@ int feeler_image_can_save(const char *path, const feeler_save_options *options, 
         return fail(error, FEELER_IO, "%s: is not a regular file", path);
     if (exists && access(path, W_OK))
         return fail(error, FEELER_IO, "%s: %s", path, strerror(errno));
-    return check_folder(path, error);
+    if (check_folder(path, error))
+        return -1;
+    return image_io_ready(path, error);
 }
 
 /* A new, empty file in the folder of `path`, with the mode of the file that it will replace, else that of the umask.

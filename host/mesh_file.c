@@ -40,6 +40,19 @@ static int refuse(import *in, int code, const char *format, ...) {
     return fail_at(in->error, code, in->place, "%s", what);
 }
 
+static int warn(import *in, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static int warn(import *in, const char *format, ...) {
+    char what[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
+    if (in->referenced)
+        return scene_warn(in->scene, in->place, in->error, "mesh '%s': %s", in->path, what);
+    return scene_warn(in->scene, in->place, in->error, "%s", what);
+}
+
 /* ---- reading ---- */
 
 /* assimp keeps its last error in one place for all threads. */
@@ -230,14 +243,18 @@ static int copy_mesh(import *in, const struct aiMesh *from, const transform *t, 
 static int material_index(import *in, unsigned index) {
     if (in->material >= 0)
         return in->material;
-    if (in->materials[index] < 0) {
-        scene_material *material = scene_add_material(in->scene, in->error);
-        if (!material ||
-            mesh_material_set(material, in->file->mNumMaterials ? in->file->mMaterials[index] : NULL, in->error))
-            return -1;
-        material->place = in->place;
-        in->materials[index] = (int)(in->scene->material_count - 1);
-    }
+    if (in->materials[index] >= 0)
+        return in->materials[index];
+    char clamped[MESH_KEYS_SIZE];
+    scene_material *material = scene_add_material(in->scene, in->error);
+    if (!material ||
+        mesh_material_set(material, in->file->mNumMaterials ? in->file->mMaterials[index] : NULL, clamped, in->error))
+        return -1;
+    material->place = in->place;
+    in->materials[index] = (int)(in->scene->material_count - 1);
+    if (clamped[0] && warn(in, "material '%.60s': clamped to what a scene may hold: %s",
+                           material->name ? material->name : "", clamped))
+        return -1;
     return in->materials[index];
 }
 
@@ -290,18 +307,16 @@ static bool has_textures(const import *in) {
     return false;
 }
 
-static int warn(import *in) {
-    if (in->leftovers && scene_warn(in->scene, in->error, "mesh '%s': %zu faces that are points or lines are left out",
-                                    in->path, in->leftovers))
+static int warn_of_all(import *in) {
+    if (in->leftovers && warn(in, "%zu faces that are points or lines are left out", in->leftovers))
         return -1;
     if (in->material >= 0)
         return 0;
-    if (in->io.missing[0] &&
-        scene_warn(in->scene, in->error, "mesh '%s': the materials in '%s' cannot be opened", in->path, in->io.missing))
+    if (in->io.missing[0] && warn(in, "the materials in '%s' cannot be opened", in->io.missing))
         return -1;
-    if (in->colours && scene_warn(in->scene, in->error, "mesh '%s': colours of vertices are not used", in->path))
+    if (in->colours && warn(in, "colours of vertices are not used"))
         return -1;
-    return has_textures(in) ? scene_warn(in->scene, in->error, "mesh '%s': textures are not used", in->path) : 0;
+    return has_textures(in) ? warn(in, "textures are not used") : 0;
 }
 
 static int add_file(import *in) {
@@ -318,7 +333,7 @@ static int add_file(import *in) {
         return -1;
     if (in->triangles == 0)
         return refuse(in, FEELER_BAD_INPUT, "contains no triangles");
-    return warn(in);
+    return warn_of_all(in);
 }
 
 int scene_add_mesh_file(feeler_scene *scene, const char *path, int material, int smooth, place place,

@@ -40,7 +40,10 @@ void mesh_drop_facet_normals(scene_mesh *mesh);
 int mesh_weld(scene_mesh *mesh, feeler_error *error);
 void mesh_clear(scene_mesh *mesh);
 
-/* mesh_material.c: a material of the file in terms of the model; for one that says nothing, the pale default. */
-int mesh_material_set(scene_material *material, const struct aiMaterial *source, feeler_error *error);
+/* mesh_material.c: a material of the file in terms of the model; for one that says nothing, the pale default. `clamped` gets
+ * the file's keys, separated by commas, whose values were out of range. */
+enum { MESH_KEYS_SIZE = 160 };
+int mesh_material_set(scene_material *material, const struct aiMaterial *source, char clamped[MESH_KEYS_SIZE],
+                      feeler_error *error);
 
 #endif

@@ -73,7 +73,10 @@ int progress_step(void *user, double fraction) {
         p->drawn = true;
         draw(p, fraction, now);
     }
-    return progress_interrupted();
+    if (progress_interrupted())
+        return 1;
+    p->under_way = p->under_way || fraction > 0;
+    return 0;
 }
 
 void progress_end(progress *p) {

@@ -8,6 +8,7 @@ typedef struct progress {
     const char *name; /* what is rendered; borrowed */
     bool shown;
     bool drawn;         /* a line is on the screen */
+    bool under_way;     /* it went on after some of the picture was there */
     double start, last; /* seconds */
 } progress;
 

@@ -3,6 +3,7 @@
 #define _XOPEN_SOURCE 700 /* realpath */
 
 #include "schema.h"
+#include "vec.h"
 #include "yaml_nodes.h"
 
 #include <errno.h>
@@ -191,10 +192,29 @@ static int read_image(const reader *reader, const feeler_node *node) {
     return nodes[IMAGE_SIZE] ? read_size(reader, nodes[IMAGE_SIZE]) : 0;
 }
 
+/* The last of the map's `first` and `second`, or NULL: where a mistake of the two together is shown. */
+static const feeler_node *last_of(const feeler_node *map, const char *first, const char *second) {
+    const feeler_node *found = NULL;
+    for (const feeler_node *child = node_value(map)->children.first; child; child = child->next)
+        if (strcmp(child->key, first) == 0 || strcmp(child->key, second) == 0)
+            found = child;
+    return found;
+}
+
 static int read_camera(const reader *reader, const feeler_node *node) {
-    if (keep_place(reader, node, &reader->scene->camera.place) != 0)
+    scene_camera *camera = &reader->scene->camera;
+    if (keep_place(reader, node, &camera->place) != 0 || schema_read(reader, node, camera_keys, camera, NULL) != 0)
         return -1;
-    return schema_read(reader, node, camera_keys, &reader->scene->camera, NULL);
+    vec3 view = vec_subtract(camera->look_at, camera->eye);
+    const feeler_node *up = last_of(node, "up", "up"), *places = last_of(node, "look_at", "eye");
+    /* Nothing is wrong with the defaults, so that one of the keys is there. What is left is for scene_validate. */
+    if (places && vec_extent(view) == 0)
+        return fail_node(reader, node_value(places), "the camera's 'look_at' is its 'eye': it looks nowhere");
+    const feeler_node *culprit = up ? up : places;
+    vec3 upwards = camera->up;
+    if (culprit && vec_normalize(&view) && vec_normalize(&upwards) && vec_parallel(view, upwards))
+        return fail_node(reader, node_value(culprit), "the camera's 'up' is parallel to its view");
+    return 0;
 }
 
 static int read_materials(reader *reader, const feeler_node *node) {

@@ -96,13 +96,17 @@ const char *scene_add_source(feeler_scene *scene, const char *name, feeler_error
     return add_text(&scene->sources, &scene->source_count, &scene->source_capacity, name, error);
 }
 
-int scene_warn(feeler_scene *scene, feeler_error *error, const char *format, ...) {
-    char text[1024];
+int scene_warn(feeler_scene *scene, place place, feeler_error *error, const char *format, ...) {
+    char text[1024], whole[sizeof text + 600];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return add_text(&scene->warnings, &scene->warning_count, &scene->warning_capacity, text, error) ? 0 : -1;
+    if (place.source && place.line > 0)
+        snprintf(whole, sizeof whole, "%.500s:%d:%d: %s", place.source, place.line, place.column, text);
+    else
+        snprintf(whole, sizeof whole, "%.500s%s%s", place.source ? place.source : "", place.source ? ": " : "", text);
+    return add_text(&scene->warnings, &scene->warning_count, &scene->warning_capacity, whole, error) ? 0 : -1;
 }
 
 const char *feeler_scene_warning(const feeler_scene *scene, int index) {

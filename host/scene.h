@@ -145,7 +145,9 @@ scene_light *scene_add_light(feeler_scene *scene, feeler_error *error);
 scene_material *scene_add_material(feeler_scene *scene, feeler_error *error);
 /* The interned copy of a source name; NULL: out of memory. */
 const char *scene_source(feeler_scene *scene, const char *name, feeler_error *error);
-int scene_warn(feeler_scene *scene, feeler_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Appends "source:line:column: text", without what the place does not know. -1: out of memory. */
+int scene_warn(feeler_scene *scene, place place, feeler_error *error, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /* Checks every range, normalises directions, drops degenerate triangles with a warning. */
 int scene_validate(feeler_scene *scene, feeler_error *error);

@@ -84,14 +84,22 @@ int schema_check(const schema_key *keys, const void *target, place place, const 
     return 0;
 }
 
+/* Whether a number other than 0 was written that is 0 as a double. */
+static bool vanished(const feeler_node *value) {
+    return value->kind == NODE_TEXT && strcspn(value->text, "123456789") < strcspn(value->text, "eE");
+}
+
 static int check_read(const reader *reader, const feeler_node *node, const schema_key *key, const void *target) {
     double unused;
     const double *bad = bad_component(key, target, &unused);
     const vec3 *vector = (const void *)((const char *)target + key->offset);
     if (bad) {
-        char message[RANGE_SIZE];
+        char message[RANGE_SIZE], text[SHOWN_SIZE];
         range_message(key, *bad, message);
         const feeler_node *value = node_value(node);
+        if (*bad == 0 && vanished(value))
+            return fail_node(reader, value, "'%s' is %s, which is too small a number", key->name,
+                             shown(value->text, text));
         bool list = value->kind == NODE_LIST || value->kind == NODE_ARRAY;
         if (list && key->type >= KEY_POINT)
             return fail_item(reader, value, (size_t)(bad - &vector->x), "'%s' %s", key->name, message);

@@ -40,6 +40,8 @@ typedef struct schema_key {
 
 /* A table has at most 32 rows. */
 #define MAX_COORDINATE 1e15
+/* Of a radius or a cone's height: what is computed from it stays well within what a float can hold. */
+#define MIN_LENGTH 1e-30
 
 /* Slots of KEY_NODE rows. */
 enum { SCENE_CAMERA, SCENE_IMAGE, SCENE_LIGHTS, SCENE_MATERIALS, SCENE_OBJECTS, SCENE_INCLUDE, SCENE_SLOTS };

@@ -22,7 +22,7 @@ static int validate_camera(scene_camera *camera, feeler_error *error) {
         return fail_at(error, FEELER_BAD_INPUT, camera->place, "the camera's 'look_at' is its 'eye': it looks nowhere");
     if (!vec_normalize(&camera->up))
         return fail_at(error, FEELER_BAD_INPUT, camera->place, "the camera's 'up' has length zero");
-    if (vec_length(vec_cross(view, camera->up)) < 1e-9)
+    if (vec_parallel(view, camera->up))
         return fail_at(error, FEELER_BAD_INPUT, camera->place, "the camera's 'up' is parallel to its view");
     return 0;
 }
@@ -68,6 +68,8 @@ static int check_points(const scene_object *object, const vec3 *points, size_t c
 static int check_radius(const scene_object *object, double radius, feeler_error *error) {
     if (!(radius > 0))
         return bad(object, error, "the radius must be more than 0");
+    if (radius < MIN_LENGTH)
+        return fail_at(error, FEELER_BAD_INPUT, object->place, "the radius is too small: at least %g", MIN_LENGTH);
     return radius <= MAX_COORDINATE ? 0 : bad(object, error, "the radius is too large");
 }
 
@@ -93,10 +95,13 @@ static int validate_cone(const scene_object *object, feeler_error *error) {
         return bad(object, error, "the radius must not be negative");
     if (base == 0 && top == 0)
         return bad(object, error, "the cone's radii are both 0");
-    if (base > MAX_COORDINATE || top > MAX_COORDINATE)
-        return bad(object, error, "the radius is too large");
-    if (vec_extent(vec_subtract(object->cone.top, object->cone.base)) == 0)
+    if ((base > 0 && check_radius(object, base, error) != 0) || (top > 0 && check_radius(object, top, error) != 0))
+        return -1;
+    double height = vec_length(vec_subtract(object->cone.top, object->cone.base));
+    if (height == 0)
         return bad(object, error, "'base' and 'top' are the same point");
+    if (height < MIN_LENGTH)
+        return fail_at(error, FEELER_BAD_INPUT, object->place, "the height is too small: at least %g", MIN_LENGTH);
     return 0;
 }
 
@@ -199,11 +204,24 @@ static size_t drop_degenerate(scene_object *object, bool *empty) {
     return dropped;
 }
 
+/* The place that holds both: as it is where they are the same, else the file, else unknown. */
+static place common_place(place a, place b) {
+    if (a.source != b.source)
+        return (place){NULL, 0, 0};
+    if (a.line == b.line && a.column == b.column)
+        return a;
+    return (place){a.source, 0, 0};
+}
+
 static int drop_all_degenerate(feeler_scene *scene, feeler_error *error) {
     size_t kept = 0, dropped = 0;
+    place where = {NULL, 0, 0};
     for (size_t i = 0; i < scene->object_count; i++) {
         bool empty;
-        dropped += drop_degenerate(&scene->objects[i], &empty);
+        size_t here = drop_degenerate(&scene->objects[i], &empty);
+        if (here > 0)
+            where = dropped == 0 ? scene->objects[i].place : common_place(where, scene->objects[i].place);
+        dropped += here;
         if (empty)
             scene_object_clear(&scene->objects[i]);
         else
@@ -213,7 +231,7 @@ static int drop_all_degenerate(feeler_scene *scene, feeler_error *error) {
     scene->dropped_triangles += dropped;
     if (dropped == 0)
         return 0;
-    return scene_warn(scene, error, "%zu degenerate %s left out: %s no area", dropped,
+    return scene_warn(scene, where, error, "%zu degenerate %s left out: %s no area", dropped,
                       dropped == 1 ? "triangle" : "triangles", dropped == 1 ? "it has" : "they have");
 }
 

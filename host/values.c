@@ -65,6 +65,9 @@ int keep_place(const reader *reader, const feeler_node *node, place *kept) {
 
 static int fail_type(const reader *reader, const feeler_node *node, const char *wanted) {
     char text[SHOWN_SIZE];
+    /* A caller's bools are texts. */
+    if (node->kind == NODE_TEXT && !node->line && (!strcmp(node->text, "true") || !strcmp(node->text, "false")))
+        return fail_node(reader, node, "expected %s, not %s", wanted, node->text);
     if (node->kind == NODE_TEXT && node->text[0])
         return fail_node(reader, node, "expected %s, not %s'%s'", wanted, node->quoted ? "the text " : "",
                          shown(node->text, text));

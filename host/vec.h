@@ -57,4 +57,9 @@ static inline bool vec_normalize(vec3 *a) {
     return true;
 }
 
+/* Whether two vectors of length 1 point the same or opposite ways, as near as matters. */
+static inline bool vec_parallel(vec3 a, vec3 b) {
+    return vec_length(vec_cross(a, b)) < 1e-9;
+}
+
 #endif

@@ -161,3 +161,85 @@ def test_filtered_shadows(filtered: bool) -> None:
     assert abs(pixels[on_floor & under_glass] - (share**2 if filtered else 0)).max() < 1e-6
     assert (pixels[on_floor & under_opaque] == 0).all()
     assert abs(pixels[on_floor & free] - 1).max() < 1e-6
+
+
+# ---- boundaries that another medium hides, and boundaries at one place
+
+SIDE = camera((1.5, 1.2, 5), fov=35)
+FLOOR = {"plane": {"normal": [0, 1, 0], "point": [0, -2, 0]}, "material": {"diffuse": [0.8, 0.4, 0.2], "emission": 0.1}}
+
+
+def solid(low: Any, high: Any, material: str) -> dict[str, Any]:
+    return {"box": {"low": list(low), "high": list(high)}, "material": material}
+
+
+def draw(objects: list[dict[str, Any]], materials: dict[str, Any], level: str = "standard") -> Any:
+    scene = {"camera": SIDE, "image": {"size": SIZE}, "background": [0.3, 0.5, 0.8], "lights": [{"point": [3, 5, 4]}],
+             "materials": materials, "objects": [*objects, FLOOR], "cutoff": 0.02}  # fmt: skip
+    image = render(scene, depth=8, level=level)
+    assert len(np.unique(image.pixels.reshape(-1, 4), axis=0)) > 300
+    return image
+
+
+def expect_same(image: Any, expected: Any, tolerance: float = 0.0) -> None:
+    assert image.stats["rays"] == expected.stats["rays"]
+    wrong = (abs(image.pixels - expected.pixels) > tolerance).any(-1)
+    assert not wrong.any(), f"{wrong.sum()} pixels"
+
+
+def test_where_a_hidden_face_lies_does_not_matter() -> None:
+    """Reflections within glass go through the end of a liquid of lower priority as if it were not there."""
+    materials = {
+        "glass": {"transmission": 0.7, "reflection": 0.4, "ior": 1.5, "priority": 2},
+        "liquid": {"transmission": [0.9, 0.5, 0.5], "reflection": 0.4, "ior": 1.33, "priority": 1},
+    }
+    block = solid((-1, -1, 0), (1, 1, 1), "glass")
+    images = [draw([block, solid((-0.8, -0.8, -1), (0.8, 0.8, z), "liquid")], materials) for z in (0.3, 0.7)]
+    assert images[0].stats["rays"]["reflection"] > 3000
+    expect_same(*images)
+
+
+@pytest.mark.parametrize("at", [0, 0.25, -0.0, 1 / 3])
+def test_two_boxes_that_touch_are_one(at: float) -> None:
+    materials = {"glass": {"transmission": 0.9, "reflection": 0.1, "ior": 1.5}}
+    whole = draw([solid((-1, -1, -1), (1, 1, 1), "glass")], materials)
+    halves = [solid((-1, -1, -1), (1, 1, at), "glass"), solid((-1, -1, at), (1, 1, 1), "glass")]
+    for objects in (halves, halves[::-1]):
+        expect_same(draw(objects, materials), whole, 1e-6)
+
+
+@pytest.mark.parametrize("level", ["standard", "reference"])
+def test_water_that_fills_a_glass(level: str) -> None:
+    """Five walls and the water exactly between them are a block of glass whose hollow water displaces, by priority."""
+    glass = {"transmission": 0.9, "ior": 1.5}
+    w = 0.8
+    walls = [solid(low, high, "glass") for low, high in [
+        ((-1, -1, -1), (-w, 1, 1)), ((w, -1, -1), (1, 1, 1)), ((-w, -1, -1), (w, 1, -w)), ((-w, -1, w), (w, 1, 1)),
+        ((-w, -1, -w), (w, -w, w))]]  # fmt: skip
+    water = solid((-w, -w, -w), (w, 1, w), "water")
+    block = solid((-1, -1, -1), (1, 1, 1), "glass")
+    expected = draw([block, water], {"glass": glass, "water": {**glass, "ior": 1.33, "priority": 1}}, level)
+    for objects in ([*walls, water], [water, *walls]):
+        expect_same(draw(objects, {"glass": glass, "water": {**glass, "ior": 1.33}}, level), expected, 1e-5)
+
+
+@pytest.mark.parametrize("height", [0.0, -1.0, 0.3])
+@pytest.mark.parametrize("shape", ["box", "cylinder"])
+def test_a_glass_stands_on_a_table(shape: str, height: float) -> None:
+    """The table is seen through the glass, as through one that reaches into it; what is below it never is."""
+    materials = {"glass": {"transmission": 1, "ior": 1.5}, "table": {"emission": [1, 0.5, 0.25]},
+                 "cellar": {"emission": [0, 0, 5]}}  # fmt: skip
+    planes = [{"plane": {"normal": [0, 1, 0], "point": [0, height - below, 0]}, "material": material}
+              for below, material in ((0, "table"), (0.5, "cellar"))]  # fmt: skip
+
+    def stand(bottom: float) -> Any:
+        ends = {"low": [-1, bottom, -1], "high": [1, height + 1, 1]} if shape == "box" else {
+            "base": [0, bottom, 0], "top": [0, height + 1, 0], "radius": 1}  # fmt: skip
+        view = camera((0.5, height + 2.5, 5), (0, height, 0), fov=35)
+        scene = {"camera": view, "image": {"size": SIZE}, "materials": materials}
+        return render({**scene, "objects": [{shape: ends, "material": "glass"}, *planes]}, depth=8)
+
+    standing, sunk = stand(height), stand(height - 0.25)
+    assert (standing.pixels[..., 2] <= 0.25).all()
+    assert standing.stats["rays"]["transmission"] > 700
+    assert (standing.pixels != sunk.pixels).any(-1).sum() <= 2  # at the rim of the bottom

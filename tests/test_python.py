@@ -290,6 +290,7 @@ def test_what_a_progress_function_raises_comes_out(scene: feeler.Scene) -> None:
 
 def test_keyboard_interrupt_stops_at_once(scene: feeler.Scene) -> None:
     scene.render(size=(8, 8), samples=16)  # compiled
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
     begin = time.monotonic()
     timer.start()
@@ -298,6 +299,7 @@ def test_keyboard_interrupt_stops_at_once(scene: feeler.Scene) -> None:
             scene.render(size=(8000, 8000), samples=16)
     finally:
         timer.cancel()
+        signal.signal(signal.SIGINT, before)
     assert time.monotonic() - begin < 5
     assert caught.value.image.interrupted  # type: ignore[attr-defined]
 

@@ -32,7 +32,10 @@ def open_device(select: str | int | None, queue: Any) -> Device:
         return _opened("" if select is None else str(select))
     if select is not None:
         raise Error("give a device or a queue, not both")
-    handles = (queue.context.int_ptr, queue.device.int_ptr, queue.int_ptr)
+    try:
+        handles = (queue.context.int_ptr, queue.device.int_ptr, queue.int_ptr)
+    except AttributeError:
+        raise Error(f"queue is a pyopencl.CommandQueue, not {queue!r}") from None
     return Device(call(lib.feeler_device_wrap, *handles), queue)
 
 

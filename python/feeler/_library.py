@@ -20,7 +20,7 @@ class Error(Exception):
 
     Attributes:
         kind: "bad input", "bad usage", "io", "out of memory", "device" or "interrupted".
-        source: the file's name, or or for a dict the path of the key (such as "objects[2].radius"), or "".
+        source: the file's name, or for a dict the path of the key (such as "objects[2].radius"), or "".
         path: the same as source.
         line, column: counted from 1; 0 where there is none.
         text: what is wrong, without the place.
