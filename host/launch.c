@@ -57,8 +57,8 @@ static launch make_launch(const job *j, const tile *t) {
         .tile = {(uint32_t)t->x0, (uint32_t)t->y0, (uint32_t)t->x1, (uint32_t)t->y1},
         .frame = {(uint32_t)j->settings.width, (uint32_t)j->settings.height, (uint32_t)j->settings.samples,
                   (uint32_t)j->settings.depth},
-        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.blocks,
-                  (uint32_t)arrays[ARRAY_NODES].count, (uint32_t)planes},
+        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.blocks, (uint32_t)arrays[ARRAY_NODES].count,
+                  (uint32_t)planes},
     };
 }
 

@@ -49,7 +49,8 @@ static int check_settings(const feeler_settings *s, feeler_error *error) {
 
 /* One sample is a ray on its own; more travel together, as many as fill a vector of 64 bytes. */
 static int choose_lanes(int samples, int level) {
-    if (samples == 1) return 8;
+    if (samples == 1)
+        return 8;
     int lanes = 1, most = level == FEELER_REFERENCE ? 8 : 16;
     while (lanes < most && lanes * 2 <= samples)
         lanes *= 2;

@@ -70,22 +70,23 @@ hit take_crossings(ray r, ints active, hit best, crossing c, vectors low, vector
 }
 
 #if HAS_SPHERE
-hit try_spheres(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_spheres(const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
+                uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
         const ints number = load_numbers(numbers, k);
         const ray r = face_primitive(*around, number);
         const crossing c = intersect_sphere(r, load_fields(block, 0, k), load_field(block, 3, k), flags);
-        best = take_crossings(r, active, best, c, load_fields(block, 4, k), load_fields(block, 7, k),
-                              number);
+        best = take_crossings(r, active, best, c, load_fields(block, 4, k), load_fields(block, 7, k), number);
     }
     return best;
 }
 #endif
 
 #if HAS_DISC
-hit try_discs(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_discs(const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
+              uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
@@ -93,15 +94,15 @@ hit try_discs(const ray *around, ints active, hit best, global const real *block
         const ray r = face_primitive(*around, number);
         const crossing c =
             intersect_disc(r, load_fields(block, 0, k), load_fields(block, 4, k), load_field(block, 3, k), flags);
-        best = take_crossings(r, active, best, c, load_fields(block, 7, k), load_fields(block, 10, k),
-                              number);
+        best = take_crossings(r, active, best, c, load_fields(block, 7, k), load_fields(block, 10, k), number);
     }
     return best;
 }
 #endif
 
 #if HAS_BOX
-hit try_boxes(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_boxes(const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
+              uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
@@ -115,7 +116,8 @@ hit try_boxes(const ray *around, ints active, hit best, global const real *block
 #endif
 
 #if HAS_TRIANGLE
-hit try_triangles(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_triangles(const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
+                  uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
@@ -131,7 +133,8 @@ hit try_triangles(const ray *around, ints active, hit best, global const real *b
 #endif
 
 #if HAS_CONE
-hit try_cones(const ray *around, ints active, hit best, global const real *block, global const uint *numbers, uint flags) {
+hit try_cones(const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
+              uint flags) {
     for (uint k = 0; k < WIDTH; k += STEP) {
         if (STEP == 1 && k > 0 && numbers[k] == numbers[k - 1])
             break;
@@ -154,8 +157,8 @@ hit try_cones(const ray *around, ints active, hit best, global const real *block
 
 #if HAS_POLYGON
 // Polygons have too many corners to go side by side: one after another, where its bounds are met.
-hit try_polygons(const scene *s, const ray *around, ints active, hit best, global const real *block, global const uint *numbers,
-                 uint flags) {
+hit try_polygons(const scene *s, const ray *around, ints active, hit best, global const real *block,
+                 global const uint *numbers, uint flags) {
     for (uint k = 0; k < WIDTH; k++) {
         if (k > 0 && numbers[k] == numbers[k - 1])
             break;

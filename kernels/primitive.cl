@@ -78,8 +78,9 @@ surface surface_of_triangles(const scene *s, hit h, ints index, ints smooth) {
 #if HAS_SMOOTH
     if (!any_ray(smooth))
         return f;
-    const vectors sum = interpolate(gather_corner(s, s->normals, index, 0, smooth), gather_corner(s, s->normals, index, 1, smooth),
-                                    gather_corner(s, s->normals, index, 2, smooth), h.u, h.v);
+    const vectors sum =
+        interpolate(gather_corner(s, s->normals, index, 0, smooth), gather_corner(s, s->normals, index, 1, smooth),
+                    gather_corner(s, s->normals, index, 2, smooth), h.u, h.v);
     const ints usable = smooth & (dot3(sum, sum) > splat(0));
     vectors normal = normalise(sum);
     normal = choose(dot3(normal, f.normal) < splat(0), negate(normal), normal);

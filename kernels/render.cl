@@ -5,13 +5,13 @@
         global const disc *discs, global const box *boxes, global const uint4 *triangles,                              \
         global const real4 *vertices, global const real4 *normals, global const polygon *polygons,                     \
         global const uint4 *polygon_ranges, global const real4 *corners, global const cone *cones,                     \
-        global const node *nodes, global const uint2 *links, global const real *blocks, global const uint *block_numbers,                                 \
-        global const material *materials, global const light *lights
+        global const node *nodes, global const uint2 *links, global const real *blocks,                                \
+        global const uint *block_numbers, global const material *materials, global const light *lights
 
 #define SCENE_ARGUMENTS                                                                                                \
     {                                                                                                                  \
         primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners,    \
-            cones, nodes, links, blocks, block_numbers, materials, lights, frame.count                                                 \
+            cones, nodes, links, blocks, block_numbers, materials, lights, frame.count                                 \
     }
 
 // One pixel per work-item; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.

@@ -13,9 +13,8 @@ entries enter_children(global const node *n, const ray *around, ints active, rea
     entries e;
 #if RAYS == 1
     for (uint k = 0; k < WIDTH; k += LANES) {
-        const vectors low =
-            make_vectors(*(global const reals *)(n->low[0] + k), *(global const reals *)(n->low[1] + k),
-                         *(global const reals *)(n->low[2] + k));
+        const vectors low = make_vectors(*(global const reals *)(n->low[0] + k), *(global const reals *)(n->low[1] + k),
+                                         *(global const reals *)(n->low[2] + k));
         const vectors high =
             make_vectors(*(global const reals *)(n->high[0] + k), *(global const reals *)(n->high[1] + k),
                          *(global const reals *)(n->high[2] + k));
