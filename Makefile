@@ -3,8 +3,12 @@
 VERSION := 0.1.0
 PREFIX ?= /usr/local
 BUILD ?= build
-CC ?= gcc
-CXX ?= g++
+ifeq ($(origin CC),default) # make's own
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
 PYTHON ?= python3
 
 # Every system package, once.
@@ -202,10 +206,10 @@ check-exports: all
 
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 .PHONY: sanitize valgrind oclgrind
-sanitize: deps ## the program over all scenes and bad inputs, with ASan and UBSan
+sanitize: deps ## the program over all scenes and bad inputs, with ASan, LSan and UBSan
+	@$(MAKE) --no-print-directory all
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/sanitize CFLAGS='-O1 -g $(SANITIZE)' LDFLAGS='$(SANITIZE)' all
-	LSAN_OPTIONS=suppressions=tests/leaks.supp:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
-	  tests/over_everything $(BUILD)/sanitize/feeler
+	WARM=$(BUILD)/feeler tests/over_everything $(BUILD)/sanitize/feeler
 
 valgrind: deps-lint all ## the readers over all scenes and some bad inputs, under valgrind
 	tests/under_valgrind $(BUILD)/feeler
@@ -222,7 +226,7 @@ fuzz: deps-lint ## feed broken scenes to the readers under ASan (FUZZ_SECONDS=60
 	@mkdir -p $(BUILD)/fuzz/corpus
 	@find scenes tests/invalid tests/data -name "*.yaml" -o -name "*.nff" | while read -r f; do \
 	  cp "$$f" $(BUILD)/fuzz/corpus/$$(echo $$f | tr / _); done
-	LSAN_OPTIONS=suppressions=tests/leaks.supp $(BUILD)/fuzz/fuzz_readers -max_total_time=$(FUZZ_SECONDS) -timeout=10 \
+	$(BUILD)/fuzz/fuzz_readers -max_total_time=$(FUZZ_SECONDS) -timeout=10 \
 	  -rss_limit_mb=4096 -close_fd_mask=2 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus
 
 $(BUILD)/fuzz_readers: tests/fuzz_readers.c $(LIB_OBJECTS)

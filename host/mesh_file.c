@@ -349,6 +349,7 @@ import in = {.scene = scene, .path = path, .material = material, .smooth = smoot
         status = add_file(&in);
     if (in.file)
         aiReleaseImport(in.file);
+    mesh_io_end(&in.io);
     free(in.materials);
     return status;
 }

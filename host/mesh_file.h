@@ -25,6 +25,10 @@ bool mesh_ends_with(const char *path, const char *ending);
 /* Whether the text is one number, and where asked a finite one. */
 int mesh_check_number(const char *text, bool finite, char *why, size_t size);
 int mesh_check_obj(FILE *file, size_t length, mesh_fault *fault);
+/* The text of an OBJ file, `length` bytes that become fewer or more, as assimp reads it right: without comments,
+ * indentation and continuation in lines of numbers, ".5" as "0.5", "+1" as "1". assimp would leave such lines out or take
+ * something else from them. To be freed; NULL: out of memory. */
+char *mesh_obj_plain(FILE *file, size_t *length);
 int mesh_check_stl_text(FILE *file, size_t length, mesh_fault *fault);
 
 /* mesh_triangulate.c: cuts a planar face, convex or concave, into count - 2 triangles of the same winding. `corners` are indices

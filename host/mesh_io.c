@@ -1,4 +1,5 @@
-/* mesh_io.c - the files that assimp opens, so that a material library that is not there is noticed: assimp goes on without. */
+/* mesh_io.c - the files that assimp opens: a material library that is not there is noticed, for assimp goes on without, and
+ * an OBJ file is read as assimp understands it. */
 #include "mesh_io.h"
 #include "mesh_file.h"
 
@@ -6,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static FILE *stream_of(struct aiFile *file) {
     return (FILE *)(void *)file->UserData;
@@ -42,10 +44,26 @@ static void flush(struct aiFile *file) {
     (void)file;
 }
 
+/* The plain text of an OBJ file in place of its stream; NULL: out of memory. */
+static FILE *open_plain(mesh_io *io, FILE *stream) {
+    struct stat about;
+    if (fstat(fileno(stream), &about) || !S_ISREG(about.st_mode))
+        return stream;
+    size_t length = (size_t)about.st_size;
+    free(io->text);
+    io->text = mesh_obj_plain(stream, &length);
+    fclose(stream);
+    stream = io->text ? fmemopen(io->text, length, "rb") : NULL;
+    io->out_of_memory |= !stream;
+    return stream;
+}
+
 static struct aiFile *open_file(struct aiFileIO *calls, const char *path, const char *mode) {
     mesh_io *io = (mesh_io *)(void *)calls->UserData;
     struct aiFile *file = malloc(sizeof *file);
     FILE *stream = file && !strpbrk(mode, "wa+") ? fopen(path, "rb") : NULL;
+    if (stream && mesh_ends_with(path, ".obj"))
+        stream = open_plain(io, stream);
     if (stream) {
         *file =
             (struct aiFile){read_items, write_items, position_of, size_of, seek_to, flush, (aiUserData)(void *)stream};
@@ -66,4 +84,9 @@ static void close_file(struct aiFileIO *calls, struct aiFile *file) {
 
 void mesh_io_start(mesh_io *io) {
     *io = (mesh_io){.calls = {open_file, close_file, (aiUserData)(void *)io}};
+}
+
+void mesh_io_end(mesh_io *io) {
+    free(io->text);
+    io->text = NULL;
 }

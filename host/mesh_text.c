@@ -101,18 +101,19 @@ static int check_number(const word *w, mesh_fault *fault) {
     return code;
 }
 
-/* Numbers to the line's end, at least `least`. */
-static int check_numbers(walk *w, const word *keyword, int least, mesh_fault *fault) {
+/* Numbers to the line's end; `counts` has a bit for each right count of them, `wanted` says it. */
+static int check_numbers(walk *w, const word *keyword, unsigned counts, const char *wanted, mesh_fault *fault) {
     word number;
-    int count = 0, code = FEELER_OK;
+    int code = FEELER_OK;
+    unsigned count = 0;
     for (; code == FEELER_OK && next_word(w, &number); count++)
         code = check_number(&number, fault);
-    if (code != FEELER_OK || count >= least)
+    if (code != FEELER_OK || (count < 32 && counts >> count & 1))
         return code;
     fault->line = keyword->line;
     fault->column = keyword->column;
-    snprintf(fault->text, sizeof fault->text, "'%.*s' needs %d numbers, but has %d", (int)keyword->length,
-             keyword->text, least, count);
+    snprintf(fault->text, sizeof fault->text, "'%.*s' has %u numbers, but needs %s", (int)keyword->length,
+             keyword->text, count, wanted);
     return FEELER_BAD_INPUT;
 }
 
@@ -161,10 +162,12 @@ static int check_obj_line(walk *w, mesh_fault *fault) {
     word keyword;
     if (!next_word(w, &keyword))
         return FEELER_OK;
-    if (is_word(&keyword, "v") || is_word(&keyword, "vn"))
-        return check_numbers(w, &keyword, 3, fault);
+    if (is_word(&keyword, "v")) /* assimp would leave out any other, and number the rest anew */
+        return check_numbers(w, &keyword, 1U << 3 | 1U << 4 | 1U << 6, "3, 4 or 6", fault);
+    if (is_word(&keyword, "vn"))
+        return check_numbers(w, &keyword, 1U << 3, "3", fault);
     if (is_word(&keyword, "vt"))
-        return check_numbers(w, &keyword, 1, fault);
+        return check_numbers(w, &keyword, 1U << 1 | 1U << 2 | 1U << 3, "1 to 3", fault);
     return is_word(&keyword, "f") ? check_corners(w, fault) : FEELER_OK;
 }
 
@@ -173,7 +176,8 @@ static int check_obj_line(walk *w, mesh_fault *fault) {
 /* The facets' normals are not read, and not a number where the facet has no area. */
 static int check_stl_line(walk *w, mesh_fault *fault) {
     word keyword;
-    return next_word(w, &keyword) && is_word(&keyword, "vertex") ? check_numbers(w, &keyword, 3, fault) : FEELER_OK;
+    return next_word(w, &keyword) && is_word(&keyword, "vertex") ? check_numbers(w, &keyword, 1U << 3, "3", fault)
+                                                                 : FEELER_OK;
 }
 
 /* ---- the whole ---- */
@@ -200,6 +204,54 @@ static int check_lines(FILE *file, size_t length, int (*check)(walk *, mesh_faul
 
 int mesh_check_obj(FILE *file, size_t length, mesh_fault *fault) {
     return check_lines(file, length, check_obj_line, fault);
+}
+
+/* One word of a line of numbers, as assimp wants it. Returns where the output goes on. */
+static char *copy_word(char *to, const word *from) {
+    const char *at = from->text, *end = at + from->length;
+    at += *at == '+';
+    if (at < end && *at == '.')
+        *to++ = '0';
+    memcpy(to, at, (size_t)(end - at));
+    return to + (end - at);
+}
+
+static char *copy_line(char *to, walk *w) {
+    const char *start = w->at;
+    word one;
+    bool found = next_word(w, &one);
+    if (found && (is_word(&one, "v") || is_word(&one, "vn") || is_word(&one, "vt") || is_word(&one, "f"))) {
+        for (size_t i = 0; i < one.length; i++)
+            one.text[i] |= 0x20; /* "V" too */
+        do {
+            to = copy_word(to, &one);
+            *to++ = ' ';
+        } while (next_word(w, &one));
+        skip_line(w);
+        to[-1] = '\n';
+        return to;
+    }
+    skip_line(w);
+    memcpy(to, start, (size_t)(w->at - start));
+    return to + (w->at - start);
+}
+
+char *mesh_obj_plain(FILE *file, size_t *length) {
+    size_t size = *length;
+    char *text = malloc(size + 1), *plain = malloc(size + size / 2 + 2), *to = plain;
+    if (!text || !plain) {
+        free(text);
+        free(plain);
+        return NULL;
+    }
+    size = fread(text, 1, size, file);
+    text[size] = '\0';
+    walk w = {.at = text, .end = text + size, .line_start = text, .line = 1};
+    while (w.at < w.end)
+        to = copy_line(to, &w);
+    free(text);
+    *length = (size_t)(to - plain);
+    return plain;
 }
 
 int mesh_check_stl_text(FILE *file, size_t length, mesh_fault *fault) {

@@ -15,12 +15,19 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
     return first_ahead(r, (discriminant >= splat(0)) | (c < splat(0)), min(s, t), max(s, t), flags);
 }
 
+// The normal from the chord: its middle's offset from the centre, at a right angle to the ray, and half its length along the
+// ray. So it faces the origin where the ray enters, even where the distance cannot tell the sphere's points apart.
 surface surface_sphere(ray r, reals distance, vectors centre, reals radius) {
     surface s;
-    // Where float cannot tell the sphere's points apart any more, the side that is seen. Divided by the radius first: the
-    // square of a tiny length would vanish.
-    const vectors out = scale(along(sub(r.origin, centre), r.direction, distance), splat(1) / radius);
-    s.normal = normalise_or(out, negate(r.direction));
+    const vectors f = sub(r.origin, centre);
+    const reals middle = -dot3(f, r.direction) / dot3(r.direction, r.direction);
+    const vectors rough = along(f, r.direction, middle);
+    const vectors across = along(rough, r.direction, -dot3(rough, r.direction));
+    const reals apart = sqrt(dot3(across, across));
+    const reals half_chord = sqrt(max((radius - apart) * (radius + apart), splat(0)));
+    const vectors out = along(across, r.direction, distance < middle ? -half_chord : half_chord);
+    // Divided by the radius first: the square of a tiny length would vanish.
+    s.normal = normalise_or(scale(out, splat(1) / radius), negate(r.direction));
     s.shading = s.normal;
     const vectors p = scale(s.normal, radius);
     s.point = add(centre, p);

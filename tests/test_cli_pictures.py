@@ -179,3 +179,9 @@ def test_discarded_weight_shrinks_with_depth(cli: Any, tmp_path: Path, scene: Pa
         assert cli("render", scene, "-o", "a.exr", "--depth", depth, "--stats", "a.json", "-q").returncode == 0
         discarded.append(json.loads((tmp_path / "a.json").read_text())["discarded_weight"]["max"])
     assert discarded[0] > discarded[1] > discarded[2] > discarded[3] == 0
+
+
+def test_stats_to_stdout(cli: Any, scene: Path) -> None:
+    result = cli("render", scene, "-o", "a.exr", "--size", "8x6", "--stats", "-", "-q")
+    assert result.returncode == 0 and not result.stderr
+    assert json.loads(result.stdout)["size"] == [8, 6]

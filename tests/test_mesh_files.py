@@ -170,6 +170,21 @@ def test_normals_that_only_repeat_the_faces_are_dropped(tmp_path: Path) -> None:
     assert mesh["normals"] == [] and len(mesh["vertices"]) == 4
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "v 0 0 0 # 1 2 3\r\n\t v 1 0 0\r\nv 0 1 0 1\r\n f 1 2 3 # x",
+        "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
+        "v 0 0 \\\n0\nv 1. .0 -.0e0\nv 0 +1 0 .5 .5 .5\nvt .0 0\nf -3/1 -2/1 \\\r\n-1/1\n",
+        "v +0 .0 +.0\nv 1 0 0\nv 0 1 0\nf +1 +2 +3",
+        "V 0 0 0\nv 1 0 0\nv 0 1 0\nF 1/ 2/ 3/\n",
+    ],
+)
+def test_ways_to_write_a_triangle(tmp_path: Path, text: str) -> None:
+    (mesh,) = meshes(describe(write(tmp_path / "t.obj", text)))
+    assert mesh["triangles"] == [[0, 1, 2]] and mesh["vertices"] == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+
+
 def test_points_and_lines_are_left_out_with_a_warning(tmp_path: Path) -> None:
     scene = describe(write(tmp_path / "l.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n"))
     assert sum(len(mesh["triangles"]) for mesh in meshes(scene)) == 1
@@ -206,6 +221,13 @@ def test_mtl_never_leaves_the_ranges(tmp_path: Path) -> None:
     for key in ("ambient", "diffuse", "specular", "reflection", "transmission"):
         assert all(0 <= value <= 1 for value in wild[key])
     assert 0 < wild["shininess"] <= 1e6 and 0.1 <= wild["ior"] <= 10 and wild["emission"][0] <= 1e6
+
+
+def test_clamped_values_of_mtl_are_warned_of(tmp_path: Path) -> None:
+    write(tmp_path / "w.mtl", "newmtl w\nKd 0.5 1.5 0\nKs 1 1 1\nNs 0\nNi 99\nd 1\nillum 2\n")
+    write(tmp_path / "w.obj", "mtllib w.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl w\nf 1 2 3\n")
+    (warning,) = describe(tmp_path / "w.obj")["warnings"]
+    assert warning.endswith("w.obj: material 'w': clamped to what a scene may hold: Kd, Ni")
 
 
 def test_a_missing_material_library_is_warned_of(tmp_path: Path) -> None:

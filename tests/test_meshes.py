@@ -90,17 +90,22 @@ def ball(centre: Any, radius: float, scale: float) -> dict[str, Any]:
     return {"mesh": {"vertices": vertices, "triangles": triangles}, "material": "mirror"}
 
 
+PLACE = (0.9, 1.4, 1.2)
+
+
 def tiny(scale: float, radius: float) -> dict[str, Any]:
+    """Everything, seen as far as a ball of this radius reaches."""
     scene = everything(scale)
-    return {**scene, "objects": [*scene["objects"], ball((0.9, 1.4, 1.2), radius, scale)]}
+    view = {**scene["camera"], "look_at": [x * scale for x in PLACE], "fov": 150 * radius / 6}
+    return {**scene, "camera": view, "objects": [*scene["objects"], ball(PLACE, radius, scale)]}
 
 
-@pytest.mark.parametrize(("small", "radius", "least"), [(1.0, 0.5, 100), (1e-4, 0.5, 100), (1e-4, 0.2, 10)])
-def test_small_things_scaled_by_a_power_of_two(small: float, radius: float, least: int) -> None:
-    """Products of lengths neither vanish nor overflow: facets of 1e-6 units, times 2^-40 and 2^40."""
+@pytest.mark.parametrize(("small", "radius"), [(1.0, 0.5), (1e-4, 0.5), (1e-4, 0.005)])
+def test_small_things_scaled_by_a_power_of_two(small: float, radius: float) -> None:
+    """Products of lengths neither vanish nor overflow: facets down to 3e-8 units, times 2^-40 and 2^40."""
     expected = feeler.Scene(tiny(small, radius)).render().pixels
-    without = feeler.Scene(everything(small)).render().pixels
-    assert (expected != without).any(-1).sum() > least
+    assert len(np.unique(expected.reshape(-1, 4), axis=0)) > 500
+    assert (expected[..., 3] == 1).sum() > 500
     for exponent in (-40, 40):
         pixels = feeler.Scene(tiny(small * 2.0**exponent, radius)).render().pixels
         assert same_bits(pixels, expected), f"{(pixels != expected).any(-1).sum()} pixels at 2^{exponent}"

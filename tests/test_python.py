@@ -344,3 +344,10 @@ def test_the_library_may_be_elsewhere_and_its_absence_is_clear(tmp_path: Path) -
     )
     assert result.returncode == 1
     assert "run `make`" in result.stderr
+
+
+def test_what_is_no_number_and_no_queue_is_told() -> None:
+    with pytest.raises(feeler.Error, match=r"^depth: expected a number, not true$"):
+        feeler.Scene({"depth": True})
+    with pytest.raises(feeler.Error, match="CommandQueue, not 3"):
+        feeler.Scene({}).render(queue=3)
