@@ -100,6 +100,12 @@ def test_the_tables_counts(rays: Callable[[str], Rays], name: str) -> None:
         assert counted[kind] == pytest.approx(expected, rel=TOLERANCE.get(name, 0.01), abs=0), kind
 
 
+@pytest.mark.xfail(reason="3.2 % fewer: the table seems to count total internal reflections too", strict=True)
+def test_the_gears_refractions_in_the_table(rays: Callable[[str], Rays]) -> None:
+    """As it is asked; what is thought to be counted instead is tested next."""
+    assert rays("gears")["transmission"] == pytest.approx(GEARS_REFRACTION, rel=TOLERANCE["gears"])
+
+
 def test_refractions_of_the_gears(spd: Path, rays: Callable[[str], Rays], count_rays: Callable[[str], Rays]) -> None:
     """The table has a refraction for every hit on the gears' glass, total internal reflections too.
 

@@ -66,11 +66,19 @@ def test_pictures(program: Path, embree: Path, spd: Path, name: str) -> None:
     print(name, found)
     assert found.mean <= 0.002
     assert found.off <= 0.015
-    # The smallest of the balls have a radius of 62 of its epsilons, so that its mirror images of mirror images are
-    # elsewhere: counted by the worst channel, 1.6 % are off, from our picture in double precision, too. With a smaller
-    # epsilon (below) 0.14 % are.
-    assert found.channel_off <= (0.017 if name == "balls" else 0.015)
     assert found.unexplained <= (0.0006 if name == "balls" else 0.00003)
+
+
+# The smallest of the balls have a radius of 62 of its epsilons, so that its mirror images of mirror images are elsewhere: our
+# picture in double precision differs as much. With a smaller epsilon (below) the limit is kept.
+EPSILON_TOO_LARGE = pytest.mark.xfail(reason="1.6 % of balls by the worst channel: the peer's epsilon", strict=True)
+
+
+@pytest.mark.parametrize("name", [pytest.param("balls", marks=EPSILON_TOO_LARGE), "mount", "tetra"])
+def test_pictures_by_the_worst_channel(program: Path, embree: Path, spd: Path, name: str) -> None:
+    ours, fine = render(program, spd / f"{name}.nff", SIZE), render(program, spd / f"{name}.nff", FINE)
+    theirs = trace(embree, spd / f"{name}.nff", FOLDER / f"{name}-embree.pfm")
+    assert compare(ours, theirs, fine).channel_off <= 0.015
 
 
 @pytest.mark.parametrize("name", SCENES)
