@@ -5,7 +5,7 @@
 
 // The nearest distance at which the ray, or any of the rays, enters child k's box; INFINITY where none does.
 typedef struct {
-    real near[WIDTH];
+    real near[WIDTH] __attribute__((aligned(64)));
 } entries;
 
 entries enter_children(global const node *n, const ray *around, ints active, reals limit) {
