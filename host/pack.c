@@ -18,7 +18,7 @@ static const array empty_arrays[ARRAY_COUNT] = {
     [ARRAY_NORMALS] = {.name = "normals", .element = sizeof(real4), .is_real = true},
     [ARRAY_POLYGONS] = {.name = "polygons", .element = sizeof(polygon), .is_real = true},
     [ARRAY_POLYGON_RANGES] = {.name = "polygon_ranges", .element = sizeof(uint4)},
-    [ARRAY_CORNERS] = {.name = "corners", .element = sizeof(real4), .is_real = true},
+    [ARRAY_CORNERS] = {.name = "corners", .element = WIDTH * sizeof(real), .is_real = true},
     [ARRAY_CONES] = {.name = "cones", .element = sizeof(cone), .is_real = true},
     [ARRAY_NODES] = {.name = "nodes", .element = sizeof(node), .is_real = true},
     [ARRAY_LINKS] = {.name = "links", .element = 2 * sizeof(uint32_t)},
@@ -169,16 +169,36 @@ static int pack_mesh(packed *p, const scene_object *object, bool transmits, feel
     return closed < 0 ? -1 : pack_triangles(p, object, &object->mesh, closed ? FLAG_SOLID : 0, error);
 }
 
+/* Three rows of corners as kernels/polygon.cl reads them. */
+typedef struct {
+    real *rows;
+    size_t length;
+} corners;
+
+static vec3 corner_at(corners c, size_t i) {
+    return (vec3){c.rows[i + 1], c.rows[c.length + i + 1], c.rows[2 * c.length + i + 1]};
+}
+
+/* The last corner is in front of the first, too, and fills the rest. */
+static void fill_corners(const packed *p, corners c, const vec3 *from, size_t count) {
+    for (size_t i = 0; i < c.length; i++) {
+        real4 corner = pack_point(p, from[i == 0 || i > count ? count - 1 : i - 1], 0);
+        c.rows[i] = corner.x;
+        c.rows[c.length + i] = corner.y;
+        c.rows[2 * c.length + i] = corner.z;
+    }
+}
+
 /* The normal of a planar polygon, counter-clockwise from its front, by Newell's sum about its middle; lengths are scaled
  * by a power of two first, so that their products stay in range. */
-static vec3 polygon_normal(const real4 *corners, size_t count, vec3 middle, double size) {
+static vec3 polygon_normal(corners c, size_t count, vec3 middle, double size) {
     int exponent;
     frexp(size, &exponent);
     double unit = ldexp(1, -exponent);
     vec3 sum = {0, 0, 0};
     for (size_t i = 0; i < count; i++) {
-        vec3 a = vec_scale(vec_subtract(xyz(corners[i]), middle), unit);
-        vec3 b = vec_scale(vec_subtract(xyz(corners[(i + 1) % count]), middle), unit);
+        vec3 a = vec_scale(vec_subtract(corner_at(c, i), middle), unit);
+        vec3 b = vec_scale(vec_subtract(corner_at(c, (i + 1) % count), middle), unit);
         sum = vec_add(sum, vec_cross(a, b));
     }
     vec_normalize(&sum);
@@ -186,22 +206,24 @@ static vec3 polygon_normal(const real4 *corners, size_t count, vec3 middle, doub
 }
 
 static int pack_polygon(packed *p, const scene_object *object, feeler_error *error) {
-    size_t count = object->polygon.count;
+    size_t count = object->polygon.count, length = (count + WIDTH - 1) / WIDTH * WIDTH + 1;
+    size_t units = (3 * length + WIDTH - 1) / WIDTH;
     polygon *s = add_primitive(p, ARRAY_POLYGONS, KIND_POLYGON, object, 0, error);
     uint4 *range = s ? array_add(&p->arrays[ARRAY_POLYGON_RANGES], 1, error) : NULL;
-    real4 *corners = range ? array_add(&p->arrays[ARRAY_CORNERS], count, error) : NULL;
-    if (!corners)
+    corners c = {range ? array_add(&p->arrays[ARRAY_CORNERS], units, error) : NULL, length};
+    if (!c.rows)
         return -1;
-    *range = (uint4){(uint32_t)(p->arrays[ARRAY_CORNERS].count - count), (uint32_t)count, 0, 0};
+    *range = (uint4){(uint32_t)(p->arrays[ARRAY_CORNERS].count - units), (uint32_t)count, 0, 0};
+    fill_corners(p, c, object->polygon.corners, count);
     vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY}, middle = {0, 0, 0};
     for (size_t i = 0; i < count; i++) {
-        corners[i] = pack_point(p, object->polygon.corners[i], 0);
-        low = (vec3){fmin(low.x, corners[i].x), fmin(low.y, corners[i].y), fmin(low.z, corners[i].z)};
-        high = (vec3){fmax(high.x, corners[i].x), fmax(high.y, corners[i].y), fmax(high.z, corners[i].z)};
-        middle = vec_add(middle, vec_scale(xyz(corners[i]), 1 / (double)count));
+        vec3 v = corner_at(c, i);
+        low = (vec3){fmin(low.x, v.x), fmin(low.y, v.y), fmin(low.z, v.z)};
+        high = (vec3){fmax(high.x, v.x), fmax(high.y, v.y), fmax(high.z, v.z)};
+        middle = vec_add(middle, vec_scale(v, 1 / (double)count));
     }
     s->point = pack4(p, middle, 0);
-    s->normal = pack4(p, polygon_normal(corners, count, middle, vec_extent(vec_subtract(high, low))), 0);
+    s->normal = pack4(p, polygon_normal(c, count, middle, vec_extent(vec_subtract(high, low))), 0);
     s->bounds = pack_bounds(p, low, high);
     return 0;
 }

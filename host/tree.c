@@ -150,11 +150,15 @@ static size_t run_length(const packed *p, const uint32_t *numbers, size_t count)
 }
 
 /* A primitive's fields as blocks have them; returns how many. */
-static size_t block_fields(const packed *p, uint32_t number, real fields[FIELDS_CONE]) {
+static size_t block_fields(const packed *p, uint32_t number, real fields[ROWS_CONE]) {
     uint4 primitive = ((const uint4 *)p->arrays[ARRAY_PRIMITIVES].data)[number];
     bounds b = primitive_bounds(p, number);
     size_t n = 0;
 #define PUT3(v) (fields[n++] = (v).x, fields[n++] = (v).y, fields[n++] = (v).z)
+    if (primitive.x != KIND_TRIANGLE) {
+        PUT3(b.low);
+        PUT3(b.high);
+    }
     switch (primitive.x) {
     case KIND_SPHERE: {
         const sphere *s = (const sphere *)p->arrays[ARRAY_SPHERES].data + primitive.y;
@@ -175,7 +179,7 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[FIELDS_
         PUT3(v[t.x]);
         PUT3(v[t.y]);
         PUT3(v[t.z]);
-        return n;
+        break;
     }
     case KIND_CONE: {
         const cone *s = (const cone *)p->arrays[ARRAY_CONES].data + primitive.y;
@@ -191,8 +195,6 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[FIELDS_
     default:
         break;
     }
-    PUT3(b.low);
-    PUT3(b.high);
 #undef PUT3
     return n;
 }
@@ -201,7 +203,7 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[FIELDS_
 static link add_block(packed *p, const uint32_t *numbers, size_t count) {
     array *blocks = &p->arrays[ARRAY_BLOCKS], *all = &p->arrays[ARRAY_BLOCK_NUMBERS];
     link l = {(uint32_t)blocks->count, tag_of(p, numbers[0]) | (uint32_t)p->blocks++};
-    real fields[FIELDS_CONE], *out = (real *)blocks->data + blocks->count * WIDTH;
+    real fields[ROWS_CONE], *out = (real *)blocks->data + blocks->count * WIDTH;
     for (size_t i = 0; i < WIDTH; i++) {
         uint32_t number = numbers[i < count ? i : count - 1];
         size_t n = block_fields(p, number, fields);
@@ -226,8 +228,8 @@ static void set_child(packed *p, size_t index, size_t child, bounds box, link l)
     ((link *)p->arrays[ARRAY_LINKS].data)[index * WIDTH + child] = l;
     const double low[3] = {box.low.x, box.low.y, box.low.z}, high[3] = {box.high.x, box.high.y, box.high.z};
     for (int axis = 0; axis < 3; axis++) {
-        n->low[axis][child] = low[axis];
-        n->high[axis][child] = high[axis];
+        n->rows[axis][child] = low[axis];
+        n->rows[3 + axis][child] = high[axis];
     }
 }
 
@@ -293,9 +295,9 @@ static int reserve(array *a, size_t count, feeler_error *error) {
 /* Fields that all bounded primitives together have; each is alone in its block at worst. */
 static size_t count_fields(const packed *p) {
     const array *a = p->arrays;
-    return a[ARRAY_SPHERES].count * FIELDS_SPHERE + a[ARRAY_DISCS].count * FIELDS_DISC +
-           a[ARRAY_BOXES].count * FIELDS_BOX + a[ARRAY_TRIANGLES].count * FIELDS_TRIANGLE +
-           a[ARRAY_POLYGONS].count * FIELDS_POLYGON + a[ARRAY_CONES].count * FIELDS_CONE;
+    return a[ARRAY_SPHERES].count * ROWS_SPHERE + a[ARRAY_DISCS].count * ROWS_DISC +
+           a[ARRAY_BOXES].count * ROWS_BOX + a[ARRAY_TRIANGLES].count * ROWS_TRIANGLE +
+           a[ARRAY_POLYGONS].count * ROWS_POLYGON + a[ARRAY_CONES].count * ROWS_CONE;
 }
 
 static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_error *error) {

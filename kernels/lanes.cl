@@ -14,6 +14,9 @@
 #define RAYS LANES
 #endif
 
+#define INLINE __attribute__((always_inline))
+#define NOINLINE __attribute__((noinline))
+
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
@@ -22,11 +25,13 @@ typedef long integer;
 #define MANTISSA 52
 #define EXPONENT_BIAS 1023
 #define UNIT R(1.1102230246251565e-16) // u = 2^-53, half an ulp of 1
+#define FARTHEST R(1.7976931348623157e308)
 #else
 typedef int integer;
 #define MANTISSA 23
 #define EXPONENT_BIAS 127
 #define UNIT R(5.9604644775390625e-8) // u = 2^-24
+#define FARTHEST R(3.40282347e38f)
 #endif
 
 #define R(x) ((real)(x))
@@ -69,11 +74,39 @@ typedef JOIN(int, LANES) ints;
 #define REAL_LANE(v, lane) (((private real *)&(v))[lane])
 #define INT_LANE(v, lane) (((private integer *)&(v))[lane])
 
-bool any_lane(ints m) {
-    integer bits = 0;
+// Bit k is set where the mask's lane k is true. One instruction where the compiler has it.
+uint lane_bits(ints m) {
+#if LANES == 16 && defined(__AVX512DQ__)
+    return (ushort)__builtin_ia32_cvtd2mask512(m);
+#elif LANES == 8 && !defined(DOUBLE) && defined(__AVX__)
+    return (uchar)__builtin_ia32_movmskps256(as_float8(m));
+#else
+    uint bits = 0;
     for (int lane = 0; lane < LANES; lane++)
-        bits |= INT_LANE(m, lane);
-    return bits != 0;
+        bits |= (INT_LANE(m, lane) != 0 ? 1u : 0u) << lane;
+    return bits;
+#endif
+}
+
+// The mask whose lane k is true where bit k is set.
+ints mask_of_bits(uint bits) {
+#if LANES == 1
+    return bits & 1;
+#else
+    ints one;
+    for (int lane = 0; lane < LANES; lane++)
+        INT_LANE(one, lane) = (integer)1 << lane;
+    return ((ints)((integer)bits) & one) != (ints)(0);
+#endif
+}
+
+// The place of the lowest bit that is set.
+uint lowest_bit(uint bits) {
+    return 31 - clz(bits & -bits);
+}
+
+bool any_lane(ints m) {
+    return lane_bits(m) != 0;
 }
 
 // The same where all lanes of one ray are alike.
@@ -85,26 +118,43 @@ bool any_ray(ints m) {
 #endif
 }
 
-// The least of the lanes, and the greatest of the rays.
+// The least and the greatest of the lanes.
+#if LANES == 1
+#define FOLD(a, f) (a)
+#else
+#if LANES >= 16
+#define FOLD16(a, f) f((a).lo, (a).hi)
+#else
+#define FOLD16(a, f) (a)
+#endif
+#if LANES >= 8
+#define FOLD8(a, f) f((a).lo, (a).hi)
+#else
+#define FOLD8(a, f) (a)
+#endif
+#if LANES >= 4
+#define FOLD4(a, f) f((a).lo, (a).hi)
+#else
+#define FOLD4(a, f) (a)
+#endif
+#define FOLD(a, f) fold_##f(a)
+#define DEFINE_FOLD(f)                                                                                                 \
+    real fold_##f(reals a) {                                                                                           \
+        const __typeof__(FOLD16(a, f)) b = FOLD16(a, f);                                                               \
+        const __typeof__(FOLD8(b, f)) c = FOLD8(b, f);                                                                 \
+        const __typeof__(FOLD4(c, f)) d = FOLD4(c, f);                                                                 \
+        return f(d.lo, d.hi);                                                                                          \
+    }
+DEFINE_FOLD(min)
+DEFINE_FOLD(max)
+#endif
+
 real least_lane(reals a) {
-    real least = REAL_LANE(a, 0);
-    for (int lane = 1; lane < LANES; lane++)
-        least = min(least, REAL_LANE(a, lane));
-    return least;
+    return FOLD(a, min);
 }
 
-real greatest_ray(reals a) {
-    real greatest = REAL_LANE(a, 0);
-    for (int lane = 1; lane < RAYS; lane++)
-        greatest = max(greatest, REAL_LANE(a, lane));
-    return greatest;
-}
-
-uint count_rays(ints m) {
-    uint count = 0;
-    for (int lane = 0; lane < RAYS; lane++)
-        count += INT_LANE(m, lane) != 0;
-    return count;
+real greatest_lane(reals a) {
+    return FOLD(a, max);
 }
 
 reals splat(real x) {
@@ -117,6 +167,11 @@ ints whole(integer i) {
 
 ints mask(bool b) {
     return (ints)(b ? TRUE : 0);
+}
+
+// A count for each lane, one more where the mask is true.
+ints count_where(ints count, ints m) {
+    return count + (m & 1);
 }
 
 // Vectors in space, and colours (x red, y green, z blue).
@@ -230,3 +285,17 @@ quads gather(global const real *first, ints index, int stride) {
 // array[index].member for each lane, member being a real4.
 #define GATHER(array, index, member)                                                                                   \
     gather((global const real *)&(array)->member, index, (int)(sizeof(*(array)) / sizeof(real)))
+
+// Entries of a row of WIDTH numbers that the lanes hold at a time; lanes beyond hold some of them again.
+#define CHUNK (LANES < WIDTH ? LANES : WIDTH)
+
+// The entries k, k + 1, ... of a row side by side.
+reals load_row(global const real *row, uint k) {
+#if LANES > WIDTH
+    return (reals)(JOIN(vload, WIDTH)(0, row), JOIN(vload, WIDTH)(0, row));
+#elif LANES == 1
+    return row[k];
+#else
+    return JOIN(vload, LANES)(0, row + k);
+#endif
+}

@@ -14,7 +14,7 @@ typedef struct {
 
 typedef struct {
     vectors colour;
-    uint feelers;
+    ints feelers; // sent
 } illumination;
 
 coefficients find_coefficients(const scene *s, ints material) {
@@ -118,7 +118,7 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
     sends = is_positive(diffuse) | shines;
     const visibility v = send_feelers(s, p, l, front, sends);
     illumination i;
-    i.feelers = HAS_SHADOWS ? count_rays(v.sent) : 0;
+    i.feelers = count_where(whole(0), HAS_SHADOWS ? v.sent : mask(false));
     vectors sum = scale(diffuse, fabs(cosine));
 #if HAS_SPECULAR || HAS_SPECULAR_TRANSMISSION
     if (any_ray(shines & is_positive(v.share))) {
@@ -134,7 +134,7 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
 illumination illuminate_locally(const scene *s, shade_point p, vectors ambient_light, ints material, ints active) {
     const coefficients c = find_coefficients(s, material);
     illumination sum;
-    sum.feelers = 0;
+    sum.feelers = whole(0);
     const vectors ambient = mul(GATHER(s->materials, material, ambient).xyz, ambient_light);
     sum.colour = where(active, add(ambient, GATHER(s->materials, material, emission).xyz));
     for (uint i = 0; i < s->count.x; i++) {

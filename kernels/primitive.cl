@@ -10,8 +10,8 @@ typedef struct {
     global const real4 *vertices;
     global const real4 *normals;
     global const polygon *polygons;
-    global const uint4 *polygon_ranges; // first corner, number of corners
-    global const real4 *corners;
+    global const uint4 *polygon_ranges; // first row, number of corners
+    global const real *corners; // rows of WIDTH
     global const cone *cones;
     global const node *nodes;
     global const uint2 *links;

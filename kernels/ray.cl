@@ -159,15 +159,18 @@ crossing first_ahead(ray r, ints found, reals enter, reals leave, uint flags) {
     return c;
 }
 
-// The nearer of two; equal distances go to the lower primitive number.
-hit nearer(ray r, hit best, ints active, crossing c, ints number) {
-    const ints better = active & c.found & is_ahead(r, c.distance) &
-                        ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
-    best.distance = better ? c.distance : best.distance;
-    best.primitive = better ? number : best.primitive;
-    best.u = better ? c.u : best.u;
-    best.v = better ? c.v : best.v;
-    return best;
+// Whether a crossing is nearer than the best hit; equal distances go to the lower primitive number.
+ints is_nearer(ray r, hit best, ints active, crossing c, ints number) {
+    return active & c.found & is_ahead(r, c.distance) &
+           ((c.distance < best.distance) | ((c.distance == best.distance) & (number < best.primitive)));
+}
+
+hit choose_crossing(ints m, crossing c, ints number, hit other) {
+    other.distance = m ? c.distance : other.distance;
+    other.primitive = m ? number : other.primitive;
+    other.u = m ? c.u : other.u;
+    other.v = m ? c.v : other.v;
+    return other;
 }
 
 // The surface at a hit: the point, its rounding error per coordinate, the outward geometric normal and the shading normal

@@ -4,7 +4,7 @@
     global const uint4 *primitives, global const sphere *spheres, global const plane *planes,                          \
         global const disc *discs, global const box *boxes, global const uint4 *triangles,                              \
         global const real4 *vertices, global const real4 *normals, global const polygon *polygons,                     \
-        global const uint4 *polygon_ranges, global const real4 *corners, global const cone *cones,                     \
+        global const uint4 *polygon_ranges, global const real *corners, global const cone *cones,                     \
         global const node *nodes, global const uint2 *links, global const real *blocks,                                \
         global const uint *block_numbers, global const material *materials, global const light *lights
 
@@ -43,8 +43,9 @@ kernel void render(SCENE_PARAMETERS, global const view *views, global const int 
                               REAL_LANE(sum.colour.z, lane), INT_LANE(sum.hits, lane) ? R(1) : R(0));
             unsent += (real4)(REAL_LANE(sum.discarded.x, lane), REAL_LANE(sum.discarded.y, lane),
                               REAL_LANE(sum.discarded.z, lane), R(0));
+            t.rays += (uint4)(INT_LANE(sum.reflection, lane), INT_LANE(sum.transmission, lane),
+                              INT_LANE(sum.shadow, lane), INT_LANE(sum.hits, lane) ? 1 : 0);
         }
-        t.rays += sum.rays;
         t.extreme.x = max(t.extreme.x, sum.deepest);
     }
     const size_t at = (size_t)(y - frame.tile.y) * (frame.tile.z - frame.tile.x) + (x - frame.tile.x);

@@ -10,12 +10,11 @@ typedef struct {
 #endif
 } packet;
 
-// What a tree adds up to: a lane's colour and unsent weight, all lanes' counts (tally: reflection, transmission, shadow,
-// eye hits) and the deepest level.
+// What a tree adds up to: colour, unsent weight and rays by kind for each lane, and the deepest level.
 typedef struct {
     vectors colour, discarded;
     ints hits; // lanes whose eye ray hits
-    uint4 rays;
+    ints reflection, transmission, shadow;
     uint deepest;
 } tree_sum;
 
@@ -206,8 +205,8 @@ children send_children(const scene *s, packet p, encounter e, shade_point q, int
     c.transmitted.in = e.b.behind;
 #endif
 #endif
-    sum->rays.x += count_rays(c.reflected.active);
-    sum->rays.y += count_rays(c.transmitted.active);
+    sum->reflection = count_where(sum->reflection, c.reflected.active);
+    sum->transmission = count_where(sum->transmission, c.transmitted.active);
     return c;
 }
 
@@ -222,7 +221,7 @@ vectors see_background(const view *camera, packet p, ints missed) {
 tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
-    sum.rays = (uint4)(0);
+    sum.reflection = sum.transmission = sum.shadow = whole(0);
     sum.deepest = 0;
 #if HAS_REFLECTION && HAS_TRANSMISSION
     packet waiting[STACK];
@@ -233,17 +232,15 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
         const ints found = p.active & (e.h.primitive >= 0);
         sum.colour = add(sum.colour, see_background(camera, p, p.active & !found));
         sum.deepest = max(sum.deepest, p.depth);
-        if (p.depth == 1) {
+        if (p.depth == 1)
             sum.hits = found;
-            sum.rays.w += count_rays(found);
-        }
         children next;
         next.reflected.active = next.transmitted.active = mask(false);
         if (any_ray(found)) {
             const shade_point q = make_shade_point(p, e);
             const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
-            sum.rays.z += lit.feelers;
+            sum.shadow += lit.feelers;
             next = send_children(s, p, e, q, found, camera->limits.x, depth, &sum);
         }
         if (any_ray(next.reflected.active)) {

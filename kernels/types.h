@@ -46,7 +46,7 @@ typedef struct {
 typedef struct {
     bounds bounds;
 } box;
-/* Corners are in an array of their own, `first … first + count - 1` (see polygon_range). */
+/* Corners are in an array of their own (see polygon.cl and polygon_ranges). */
 typedef struct {
     real4 point, normal;
     bounds bounds;
@@ -63,7 +63,7 @@ typedef struct {
 /* A node of the tree: its children's boxes side by side, by axis. Each child has two words of `links`: a node's number and
  * LINK_NODE, or the place of a leaf's block (in units of WIDTH reals) and its tag. */
 typedef struct {
-    real low[3][WIDTH], high[3][WIDTH];
+    real rows[6][WIDTH]; /* low x, y, z, high x, y, z */
 } node;
 
 /* A leaf's block holds up to WIDTH primitives of one kind and with the same flags, number after number for each field; empty
@@ -73,13 +73,13 @@ typedef struct {
 #define TAG_FLAGS 24
 #define TAG_NUMBER 0xffffffu
 
-/* Fields of a block: the primitive's own, then its bounds, unless these are plain from them. */
-#define FIELDS_SPHERE 10  /* centre, radius, bounds */
-#define FIELDS_DISC 13    /* centre, radius, normal, bounds */
-#define FIELDS_BOX 6      /* low, high */
-#define FIELDS_TRIANGLE 9 /* three corners */
-#define FIELDS_POLYGON 6  /* bounds */
-#define FIELDS_CONE 21    /* base, u, v, axis, radius, height, slope, bounds */
+/* Rows of a block: the primitives' bounds, unless they are plain from the rest, then their own fields. */
+#define ROWS_SPHERE 10  /* bounds, centre, radius */
+#define ROWS_DISC 13    /* bounds, centre, radius, normal */
+#define ROWS_BOX 6      /* bounds */
+#define ROWS_TRIANGLE 9 /* three corners */
+#define ROWS_POLYGON 6  /* bounds */
+#define ROWS_CONE 21    /* bounds, base, u, v, axis, radius, height, slope */
 
 /* Symbols as in (16.20) and (16.12). optics: refractive index, priority, 1 if total reflection carries rho_tg too, 1 if
  * Fresnel weights. */
