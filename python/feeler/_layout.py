@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -60,17 +61,17 @@ class Layout:
             "int": np.int32, "uint": np.uint32, "long": np.int64, "ulong": np.uint64,
         }  # fmt: skip
 
-    def leaves(self, type_: str, count: int = 0, path: str = "") -> Iterator[Leaf]:
+    def leaves(self, type_: str, shape: tuple[int, ...] = (), path: str = "") -> Iterator[Leaf]:
         """The leaves of a value in the order of their declaration."""
-        if count:
-            for index in range(count):
-                yield from self.leaves(type_, 0, f"{path}[{index}]")
+        if shape:
+            for index in range(shape[0]):
+                yield from self.leaves(type_, shape[1:], f"{path}[{index}]")
         elif type_ in KINDS:
             yield Leaf(path, KINDS[type_])
         else:
             for member in self.members(type_):
                 if not member.space:
-                    yield from self.leaves(member.type, member.count, f"{path}.{member.name}")
+                    yield from self.leaves(member.type, member.shape, f"{path}.{member.name}")
 
     def tables(self, type_: str, path: str = "") -> Iterator[tuple[str, Variable]]:
         """The pointers among a struct's own members, each with its path."""
@@ -82,29 +83,29 @@ class Layout:
             raise Error(f"probe does not know the type {type_!r}")
         return self.structs[type_]
 
-    def numbers(self, type_: str, count: int = 0) -> tuple[npt.DTypeLike, int]:
+    def numbers(self, type_: str, shape: tuple[int, ...] = ()) -> tuple[npt.DTypeLike, int]:
         """The one number type of a value and how many numbers it is; an error where types mix."""
-        kinds = [leaf.kind for leaf in self.leaves(type_, count)]
+        kinds = [leaf.kind for leaf in self.leaves(type_, shape)]
         if len({kind.number for kind in kinds}) != 1:
             raise Error(f"{type_!r} mixes types of numbers: give a dict, a tuple of its members or a structured array")
         return self.dtypes[kinds[0].number], sum(kind.width for kind in kinds)
 
     # ---- from numpy: one array per leaf, of the shape (…) or, for a vector type, (…, width)
 
-    def split(self, type_: str, value: Any, name: str, count: int = 0) -> list[Array]:
+    def split(self, type_: str, value: Any, name: str, shape: tuple[int, ...] = ()) -> list[Array]:
         if value is None:
-            return [np.zeros(leaf.kind.width if leaf.kind.width > 1 else ()) for leaf in self.leaves(type_, count)]
-        if count and not isinstance(value, tuple):
-            return self._split_numbers(type_, value, name, count)
-        if count:
-            _same_length(value, count, name)
-            return [part for i, item in enumerate(value) for part in self.split(type_, item, f"{name}[{i}]")]
+            return [np.zeros(leaf.kind.width if leaf.kind.width > 1 else ()) for leaf in self.leaves(type_, shape)]
+        if shape and not isinstance(value, tuple):
+            return self._split_numbers(type_, value, name, shape)
+        if shape:
+            _same_length(value, shape[0], name)
+            return [part for i, item in enumerate(value) for part in self.split(type_, item, f"{name}[{i}]", shape[1:])]
         if type_ in KINDS:
             return [self._numbers_of(KINDS[type_], value, name)]
         fields = value.dtype.names if isinstance(value, np.ndarray) else None
         if isinstance(value, (Mapping, tuple)) or fields:
             return self._split_members(type_, value, name)
-        return self._split_numbers(type_, value, name, 0)
+        return self._split_numbers(type_, value, name, ())
 
     def _split_members(self, type_: str, value: Any, name: str) -> list[Array]:
         members = self.members(type_)
@@ -116,17 +117,19 @@ class Layout:
         wrong -= {member.name for member in members if member.space}  # a table may be left out
         if wrong:
             raise Error(f"{name}: members {', '.join(sorted(wrong))} are unknown or missing in {type_!r}")
-        parts = (self.split(m.type, value[m.name], f"{name}.{m.name}", m.count) for m in members if not m.space)
+        parts = (self.split(m.type, value[m.name], f"{name}.{m.name}", m.shape) for m in members if not m.space)
         return [leaf for part in parts for leaf in part]
 
-    def _split_numbers(self, type_: str, value: Any, name: str, count: int) -> list[Array]:
-        dtype, width = self.numbers(type_, count)
+    def _split_numbers(self, type_: str, value: Any, name: str, shape: tuple[int, ...]) -> list[Array]:
+        dtype, width = self.numbers(type_, shape)
         numbers = _as_array(value, dtype, name)
-        if count and numbers.shape[-2:] == (count, width // count):
-            numbers = numbers.reshape((*numbers.shape[:-2], width))
+        one = width // prod(shape)
+        whole = (*shape, one) if one > 1 else shape
+        if shape and numbers.shape[-len(whole) :] == whole:
+            numbers = numbers.reshape((*numbers.shape[: -len(whole)], width))
         if numbers.ndim == 0 or numbers.shape[-1] != width:
             raise Error(f"{name}: the shape is {numbers.shape}, not (…, {width}) as {type_!r} asks")
-        ends = np.cumsum([leaf.kind.width for leaf in self.leaves(type_, count)])
+        ends = np.cumsum([leaf.kind.width for leaf in self.leaves(type_, shape)])
         parts = np.split(numbers, ends[:-1], axis=-1)
         return [part if part.shape[-1] > 1 else part[..., 0] for part in parts]
 
@@ -141,16 +144,17 @@ class Layout:
 
     # ---- to numpy
 
-    def join(self, type_: str, parts: Iterator[Array], count: int = 0) -> Any:
+    def join(self, type_: str, parts: Iterator[Array], shape: tuple[int, ...] = ()) -> Any:
         """The value whose leaves come from `parts`: an array, or a named tuple of them for a struct."""
-        if count:
-            items = [self.join(type_, parts) for _ in range(count)]
-            return np.stack(items, axis=-1) if type_ in KINDS and KINDS[type_].width == 1 else tuple(items)
+        if shape:
+            items = [self.join(type_, parts, shape[1:]) for _ in range(shape[0])]
+            plain = type_ in KINDS and KINDS[type_].width == 1
+            return np.stack(items, axis=-len(shape)) if plain else tuple(items)
         if type_ in KINDS:
             return next(parts)
         members = [member for member in self.members(type_) if not member.space]
-        values = [self.join(member.type, parts, member.count) for member in members]
-        if all(KINDS.get(member.type) == KINDS["reals"] and not member.count for member in members):
+        values = [self.join(member.type, parts, member.shape) for member in members]
+        if all(KINDS.get(member.type) == KINDS["reals"] and not member.shape for member in members):
             return np.stack(values, axis=-1)
         return namedtuple(type_, [member.name for member in members])(*values)
 

@@ -1,7 +1,8 @@
 """A small reader of the kernels' source: its struct types and the prototypes of its functions.
 
 It knows the kernels' habits, not OpenCL C: a function's definition begins with its type at column 0, a struct is a
-`typedef struct { … } name;`, and neither is made by a macro.
+`typedef struct { … } name;`, and neither is made by a macro. What `#if` leaves out is read too; of two definitions of a
+name the first counts.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ _COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+(\d+)[uU]?[ \t]*$", re.MULTILINE)
 _OPTION = re.compile(r"-D[ ]*(\w+)=(\d+)\b")
 _DIRECTIVE = re.compile(r"^[ \t]*#(?:[^\n\\]|\\.|\\\n)*$", re.MULTILINE)
+_ATTRIBUTE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+__attribute__\b", re.MULTILINE)
 _STRUCT = re.compile(r"typedef\s+struct\s*\w*\s*\{([^{}]*)\}\s*(\w+)\s*;")
 _FUNCTION = re.compile(
     r"^(?!typedef|struct|else|return)([A-Za-z_][\w \t]*?[\w*])[ \t\n]+(\w+)\(([^(){};]*)\)\s*\{", re.MULTILINE
 )
-_DECLARATOR = re.compile(r"(\*?)\s*(?:(?:const|restrict)\s+)*(\w+)\s*(?:\[\s*(\w+)\s*\])?$")
+_DECLARATOR = re.compile(r"(\*?)\s*(?:(?:const|restrict)\s+)*(\w+)\s*((?:\[\s*\w+\s*\]\s*)*)$")
 _SPACES = {"global": "global", "constant": "constant", "local": "local", "private": "private"}
 _QUALIFIERS = {"const", "restrict", "static", "inline", "volatile"}
 
@@ -33,7 +35,7 @@ class Variable:
     type: str
     space: str = ""
     constant: bool = False
-    count: int = 0  # of an array; 0 for none
+    shape: tuple[int, ...] = ()  # of an array
 
 
 @dataclass(frozen=True)
@@ -74,12 +76,11 @@ class Prototypes:
         return [self._variable(declarator, type_, space, constant) for declarator in found]
 
     def _variable(self, declarator: re.Match[str], type_: str, space: str, constant: bool) -> Variable:
-        star, name, count = declarator.groups()
-        return Variable(name, type_, (space or "private") if star else "", constant, self._count(count))
+        star, name, lengths = declarator.groups()
+        shape = tuple(self._length(text) for text in re.findall(r"\w+", lengths))
+        return Variable(name, type_, (space or "private") if star else "", constant, shape)
 
-    def _count(self, text: str | None) -> int:
-        if text is None:
-            return 0
+    def _length(self, text: str) -> int:
         value = int(text) if text.isdigit() else self.macros.get(text)
         if value is None:
             raise Error(f"probe does not know the array length {text}")
@@ -102,10 +103,13 @@ def read_prototypes(source: str, options: str) -> Prototypes:
     found = Prototypes(
         macros={name: int(value) for text in (_DEFINE.findall(code), _OPTION.findall(options)) for name, value in text}
     )
+    attributes = "|".join(_ATTRIBUTE.findall(code))
     code = _DIRECTIVE.sub("", code)
+    if attributes:
+        code = re.sub(rf"\b(?:{attributes})\b[ \t]*", "", code)
     for body, name in _STRUCT.findall(code):
         declarations = [part for part in body.split(";") if part.strip()]
-        found.structs[name] = tuple(variable for part in declarations for variable in found.variables(part))
+        found.structs.setdefault(name, tuple(variable for part in declarations for variable in found.variables(part)))
     for returns, name, parameters in _FUNCTION.findall(code):
         if "kernel" not in returns.replace("_", "").split():
             found.functions.setdefault(name, (returns, parameters))

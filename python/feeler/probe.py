@@ -33,7 +33,7 @@ def probe(
         vectors                                 (…, 3)
         a struct of one type of numbers         (…, its numbers), such as (…, 12) for a sphere; or as the next
         any struct                              a dict or tuple of its members, or a structured array
-        T x[N] in a struct                      (…, N) or (…, N, numbers of T), or a tuple of N values
+        T x[N] in a struct (x[N][M] likewise)   (…, N) or (…, N, numbers of T), or a tuple of N values
         private T *x                            as T; what the function leaves there is returned
         global T *x, constant T *x              one array for all, not broadcast: (n, numbers of T); as a struct's
                                                 member (give a dict then) it may be left out
@@ -45,8 +45,8 @@ def probe(
         arguments: one for each parameter.
         level: "draft" and "standard" compute in float32, "reference" in float64.
         lanes: width of `reals` and `ints`. Where every argument that has no lanes is the same for all elements, a
-            work-item takes `lanes` consecutive elements; else each element has a work-item, in all of its lanes. A
-            result without lanes has an element per work-item.
+            work-item takes `lanes` consecutive elements; else, and with the option "-DRAYS=1", each element has a
+            work-item, in all of its lanes. A result without lanes has an element per work-item.
         options: more build options, such as "-DSTACK=3".
         queue: a pyopencl.CommandQueue; by default one on feeler's default device.
 
@@ -54,7 +54,7 @@ def probe(
         The function's value and then what its private pointers (not const, and global ones likewise) were left with;
         a tuple when there are several.
     """
-    built = kernel_options(level=level, lanes=lanes)
+    built = kernel_options(level=level, lanes=lanes, samples=lanes)
     if options:
         built = f"{built} {options}"
     prototypes = _prototypes(built)
@@ -62,7 +62,7 @@ def probe(
     if len(arguments) != len(function.parameters):
         names = ", ".join(parameter.name for parameter in function.parameters)
         raise Error(f"{name} takes {len(function.parameters)} arguments ({names}), not {len(arguments)}")
-    call = _Call(function, Layout(prototypes, lanes, level == "reference"))
+    call = _Call(function, Layout(prototypes, lanes, level == "reference"), prototypes.macros["RAYS"] == lanes)
     return call.run(arguments, queue or default_queue(), built)
 
 
@@ -94,9 +94,10 @@ def _member(value: Any, name: str) -> Any:
 class _Call:
     """A function, how its arguments are laid out, and the kernel that calls it."""
 
-    def __init__(self, function: Function, layout: Layout) -> None:
+    def __init__(self, function: Function, layout: Layout, packs: bool) -> None:
         self.function = function
         self.layout = layout
+        self.packs = packs  # whether lanes may hold different elements
         self.values = [p for p in function.parameters if p.space in ("", "private")]
         self.tables = [_Table("", p, p) for p in function.parameters if p.space not in ("", "private")]
         self.tables += [
@@ -114,7 +115,7 @@ class _Call:
         used: dict[str, int] = {}
         slots = []
         for target, variable in variables:
-            for leaf in self.layout.leaves(variable.type, variable.count):
+            for leaf in self.layout.leaves(variable.type, variable.shape):
                 place = used.setdefault(leaf.kind.stored, 0)
                 used[leaf.kind.stored] += 1
                 slots.append(_Slot(target + leaf.path, leaf, place))
@@ -130,7 +131,7 @@ class _Call:
         ]
         result = "" if self.function.returns == "void" else f"{self.function.returns} result = "
         passed = ", ".join(f"{'&' * (p.space == 'private')}v_{p.name}" for p in self.function.parameters)
-        lines = [f"{p.type} v_{p.name}{f'[{p.count}]' if p.count else ''};" for p in self.values]
+        lines = [f"{p.type} v_{p.name}{''.join(f'[{n}]' for n in p.shape)};" for p in self.values]
         lines += [f"{s.target} = in_{s.leaf.kind.stored}[{s.place} * n + i];" for s in self.inputs]
         lines += [f"{table.target} = {self._argument(table)};" for table in self.tables if table.target]
         lines += [f"{result}{self.function.name}({passed});"]
@@ -150,9 +151,9 @@ class _Call:
         parts = [
             part
             for p in self.values
-            for part in self.layout.split(p.type, given[p], f"{self.function.name}: {p.name}", p.count)
+            for part in self.layout.split(p.type, given[p], f"{self.function.name}: {p.name}", p.shape)
         ]
-        grid = _Grid(self.inputs, parts, self.layout.lanes, self.function.name)
+        grid = _Grid(self.inputs, parts, self.layout.lanes, self.packs, self.function.name)
         tables = [self._table(table, given[table.parameter]) for table in self.tables]
         filled = {
             stored: np.concatenate([
@@ -165,7 +166,7 @@ class _Call:
         kernel = _build(queue.context, options, self.source())
         _launch(queue, kernel, grid.items, [*filled.values()], [*empty.values(), *tables])
         found = iter([grid.gather(slot.leaf, empty[slot.leaf.kind.stored], slot.place) for slot in self.results])
-        results = [self.layout.join(variable.type, found, variable.count) for _, variable in self.outputs]
+        results = [self.layout.join(variable.type, found, variable.shape) for _, variable in self.outputs]
         writable = [
             not table.target and table.pointer.space == "global" and not table.pointer.constant for table in self.tables
         ]
@@ -196,7 +197,7 @@ def _stored(slots: list[_Slot]) -> list[str]:
 class _Grid:
     """Which elements each work-item takes: `lanes` consecutive ones, or one that fills all of its lanes."""
 
-    def __init__(self, slots: list[_Slot], parts: list[Array], lanes: int, name: str) -> None:
+    def __init__(self, slots: list[_Slot], parts: list[Array], lanes: int, packs: bool, name: str) -> None:
         leading = [_leading(slot.leaf, part) for slot, part in zip(slots, parts, strict=True)]
         try:
             self.shape = np.broadcast_shapes(*leading)
@@ -204,7 +205,7 @@ class _Grid:
             raise Error(f"{name}: the shapes {', '.join(map(str, leading))} do not broadcast") from None
         varied = any(np.prod(shape) > 1 for slot, shape in zip(slots, leading, strict=True) if not slot.leaf.kind.lanes)
         self.lanes = lanes
-        self.packed = not varied
+        self.packed = packs and not varied
         self.size = int(np.prod(self.shape))
         if not self.size:
             raise Error(f"{name}: the arguments have no elements")
