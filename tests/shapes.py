@@ -17,6 +17,10 @@ CAPPED = 16
 UNIT = {"standard": 2.0**-24, "reference": 2.0**-53}
 REAL: dict[str, Any] = {"standard": np.float32, "reference": np.float64}
 LEVELS = ["standard", "reference"]
+WIDTH = 8
+
+# How rays meet a block: one ray has several entries side by side, as many as there are lanes; or many rays have one.
+WAYS = {"alone": (1, " -DRAYS=1"), "together": (8, " -DRAYS=1"), "apart": (8, " -DRAYS=8")}
 
 
 @functools.cache
@@ -71,43 +75,88 @@ class Shapes:
         self.count = len(low)
         self.low, self.high = np.asarray(low, float), np.asarray(high, float)
 
-    def scene(self) -> dict[str, Any]:
-        """The tables of a `scene`, boxes a little wider than the shapes as packing makes them."""
+    def _bounds(self) -> tuple[Any, Any]:
+        """Boxes a little wider than the shapes, as packing makes them; a box is its own."""
         step = 8 * UNIT[self.level]
         size = (self.high - self.low).max(1, keepdims=True)
         pad = np.where(self.kind == BOX, 0, step * (size + np.maximum(abs(self.low), abs(self.high))))
+        return self.low - pad, self.high + pad
+
+    def _block_fields(self, low: Any, high: Any) -> Any:
+        """Each primitive's fields in the order of a block's rows, see ROWS_SPHERE and the next in types.h."""
+        if self.kind == TRIANGLE:
+            return self.points.reshape(self.count, 9)
+        rows = {
+            SPHERE: [0, 1, 2, 3],
+            DISC: [0, 1, 2, 3, 4, 5, 6],
+            CONE: [0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 3, 7, 11],
+        }
+        return np.hstack([low, high, self.rows[:, rows.get(self.kind, [])]])
+
+    def scene(self, size: int = 1) -> dict[str, Any]:
+        """The tables of a `scene` without a tree, in blocks of `size`."""
+        low, high = self._bounds()
         zero = np.zeros((self.count, 1))
-        box = np.hstack([self.low - pad, zero, self.high + pad, zero])
         numbers = np.arange(self.count)
         primitives = np.stack([numbers * 0 + self.kind, numbers, numbers * 0, numbers * 0 + self.flags], 1)
-        tables: dict[str, Any] = {"primitives": primitives, "count": [0, self.count, 0, 0], "order": numbers}
+        tables: dict[str, Any] = {"primitives": primitives}
         names = {SPHERE: "spheres", PLANE: "planes", DISC: "discs", BOX: "boxes", POLYGON: "polygons", CONE: "cones"}
-        if self.kind in names:
-            tables[names[self.kind]] = self.rows if self.kind == PLANE else np.hstack([self.rows, box])
-        if self.points is not None:
-            corners = self.points.shape[1]
-            flat = np.hstack([self.points.reshape(-1, 3), np.zeros((self.count * corners, 1))])
-            tables["corners" if self.kind == POLYGON else "vertices"] = flat
-            if self.kind == POLYGON:
-                tables["polygon_ranges"] = np.stack(
-                    [numbers * corners, numbers * 0 + corners, numbers * 0, numbers * 0], 1
-                )
-            else:
-                tables["triangles"] = np.hstack([numbers[:, None] * 3 + [0, 1, 2], numbers[:, None] * 0])
-        return tables
+        if self.kind == PLANE:
+            return {**tables, "planes": self.rows, "block_numbers": numbers, "count": [0, 0, 0, self.count]}
+        if self.kind == TRIANGLE:
+            tables["triangles"] = np.hstack([numbers[:, None] * 3 + [0, 1, 2], numbers[:, None] * 0])
+            tables["vertices"] = np.hstack([self.points.reshape(-1, 3), np.zeros((self.count * 3, 1))])
+        else:
+            tables[names[self.kind]] = np.hstack([self.rows, low, zero, high, zero])
+        if self.kind == POLYGON:
+            tables |= corner_tables(self.points)
+        return tables | block_tables(self._block_fields(low, high), self.kind << 29 | self.flags << 24, size)
+
+
+def block_tables(fields: Any, tag: int, size: int) -> dict[str, Any]:
+    """Blocks of neighbours with a tag of their own, the last of each repeated (host/tree.c)."""
+    count, rows = fields.shape
+    blocks = np.arange(-(-count // size))
+    places = np.minimum(blocks[:, None] * size + np.minimum(np.arange(WIDTH), size - 1), count - 1)
+    return {
+        "blocks": fields[places].transpose(0, 2, 1).ravel(),
+        "block_numbers": places.ravel(),
+        "links": np.stack([blocks * rows, tag + blocks], 1),
+        "count": [0, len(blocks), 0, 0],
+    }
+
+
+def corner_tables(polygons: Any) -> dict[str, Any]:
+    """Rows of x, y and z for polygons of so many corners each, the last corner in front and in what is left over."""
+    rows, ranges, units = [], [], 0
+    for corners in polygons:
+        count = len(corners)
+        length = -(-count // WIDTH) * WIDTH + 1
+        whole = np.concatenate([corners[-1:], corners, np.repeat(corners[-1:], length - 1 - count, 0)]).T.ravel()
+        rows.append(np.concatenate([whole, np.zeros(-len(whole) % WIDTH)]))
+        ranges.append([units, count, 0, 0])
+        units += len(rows[-1]) // WIDTH
+    return {"corners": np.concatenate(rows), "polygon_ranges": ranges}
 
 
 def ray(level: str, origin: Any, direction: Any, options: str = SHAPES) -> Any:
     return feeler.probe("make_ray", origin, direction, level=level, options=options)
 
 
-def cross(shapes: Shapes, r: Any, numbers: Any) -> tuple[Any, Any]:
-    """Whether each ray meets the primitive of its number, clamped as in a render, ahead of it; and the crossing."""
-    options: dict[str, Any] = {"level": shapes.level, "options": SHAPES}
+def cross(shapes: Shapes, r: Any, numbers: Any, way: str = "alone") -> tuple[Any, Any]:
+    """Whether each ray meets the primitive of its number ahead of it, as a render finds it in a block; and where."""
     scene = shapes.scene()
-    name = "intersect_unbounded" if shapes.kind == PLANE else "intersect_bounded"
-    c = feeler.probe(name, scene, r, scene["primitives"][numbers], **options)
-    return (c.found != 0) & (c.distance > 0), c
+    if shapes.kind == PLANE:
+        c = feeler.probe(
+            "intersect_unbounded", scene, r, scene["primitives"][numbers], level=shapes.level, options=SHAPES
+        )
+        return (c.found != 0) & (c.distance > 0), c
+    lanes, options = WAYS[way]
+    none = (np.finfo(REAL[shapes.level]).max, -1, 0, 0)
+    c = feeler.probe("traverse_below", scene, r, True, none, scene["links"][numbers], False, level=shapes.level,
+                     lanes=lanes, options=SHAPES + options)  # fmt: skip
+    assert ((c.primitive == numbers) | (c.primitive == -1)).all()
+    return c.primitive >= 0, c._replace(distance=np.where(c.primitive >= 0, c.distance, 0))
 
 
 def surface(shapes: Shapes, r: Any, c: Any, numbers: Any) -> Any:

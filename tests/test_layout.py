@@ -20,8 +20,13 @@ TYPES = feeler.kernel_source().split('#line 1 "features.cl"')[0]
 STRUCT = re.compile(r"typedef struct \{([^}]*)\} (\w+);")
 
 
+WIDTH = int(re.findall(r"#define WIDTH (\d+)", TYPES)[0])
+
+
 def members() -> dict[str, dict[str, str]]:
-    """The members' types by struct and name, as types.h has them for the device; what C alone sees is left out."""
+    """The members' types by struct and name, as types.h has them for the device; what C alone sees is left out. The type
+    of an array ends with its lengths.
+    """
     text = re.sub(r"/\*.*?\*/", "", TYPES, flags=re.DOTALL)
     text = text[text.index("#include <stdint.h>") :].split("#endif", 1)[1]
     found: dict[str, dict[str, str]] = {}
@@ -29,8 +34,10 @@ def members() -> dict[str, dict[str, str]]:
         found[name] = {}
         for declaration in filter(None, map(str.strip, body.split(";"))):
             kind, names = declaration.split(None, 1)
-            found[name] |= {member.strip(): kind for member in names.split(",")}
-    assert {"bounds", "cone", "material", "view", "launch", "tally"} <= set(found)
+            for member in names.split(","):
+                lengths = re.findall(r"\[\w+\]", member)
+                found[name][member.partition("[")[0].strip()] = kind + "".join(lengths).replace("WIDTH", str(WIDTH))
+    assert {"bounds", "cone", "node", "material", "view", "launch", "tally"} <= set(found)
     assert len(found) == text.count("typedef")
     return found
 
@@ -85,9 +92,9 @@ def on_device(queue: Any, options: list[str]) -> Layout:
 
 def whole_of(name: str) -> bool:
     """Whether a struct is of real numbers throughout; the others are of whole ones."""
-    kinds = {kind if kind in ("real4", "uint4") else "real4" for kind in STRUCTS[name].values()}
+    kinds = {kind.startswith("uint4") for kind in STRUCTS[name].values()}
     assert len(kinds) == 1, f"{name} mixes reals and integers: narrowing would break it"
-    return kinds == {"real4"}
+    return kinds == {False}
 
 
 def test_double_is_as_on_the_host(queue: Any, on_host: Layout) -> None:
@@ -100,6 +107,34 @@ def test_float_is_the_host_narrowed(queue: Any, on_host: Layout) -> None:
     assert on_device(queue, []) == expected
 
 
+def lengths_of(kind: str) -> tuple[int, ...]:
+    """Of an array's type."""
+    return tuple(map(int, re.findall(r"\[(\d+)\]", kind)))
+
+
+def assignments(name: str, path: str, first: int) -> tuple[list[str], int]:
+    """C that fills a struct with the numbers from `first` on, and the number after the last."""
+    lines = []
+    for member, kind in STRUCTS[name].items():
+        target = f"{path}.{member}"
+        if kind in STRUCTS:
+            inner, first = assignments(kind, target, first)
+            lines += inner
+            continue
+        for place in np.ndindex(lengths_of(kind)):
+            count = 4 if kind in ("real4", "uint4") else 1
+            numbers = ", ".join(str(first + i) for i in range(count))
+            lines.append(f"{target}{''.join(f'[{i}]' for i in place)} = ({kind.partition('[')[0]})({numbers});")
+            first += count
+    return lines, first
+
+
+def flatten(value: Any) -> list[float]:
+    if value.dtype.names is None:
+        return [float(n) for n in value.ravel()]
+    return [n for member in value.dtype.names for n in flatten(value[member])]
+
+
 @pytest.mark.parametrize(("options", "real"), [(["-DDOUBLE"], np.float64), ([], np.float32)])
 def test_numpy_reads_what_the_device_writes(queue: Any, on_host: Layout, options: list[str], real: Any) -> None:
     """Every number of every struct is written under its own name, and found by a dtype made of the host's offsets."""
@@ -109,26 +144,12 @@ def test_numpy_reads_what_the_device_writes(queue: Any, on_host: Layout, options
     def dtype(name: str) -> np.dtype[Any]:
         if name in ("real4", "uint4"):
             return np.dtype((real if name == "real4" else np.uint32, 4))
+        if "[" in name:
+            return np.dtype((real, lengths_of(name)))
         scale = 2 if whole_of(name) and real is np.float32 else 1
         size, *offsets = (n // scale for n in on_host[name])
         formats = [dtype(kind) for kind in STRUCTS[name].values()]
         return np.dtype({"names": list(STRUCTS[name]), "formats": formats, "offsets": offsets, "itemsize": size})
-
-    def assignments(name: str, path: str, first: int) -> tuple[list[str], int]:
-        lines = []
-        for member, kind in STRUCTS[name].items():
-            if kind in STRUCTS:
-                inner, first = assignments(kind, f"{path}.{member}", first)
-                lines += inner
-            else:
-                lines.append(f"{path}.{member} = ({kind})({first}, {first + 1}, {first + 2}, {first + 3});")
-                first += 4
-        return lines, first
-
-    def flatten(value: Any) -> list[float]:
-        if value.dtype.names is None:
-            return [float(n) for n in value]
-        return [n for member in value.dtype.names for n in flatten(value[member])]
 
     source = TYPES
     for name in STRUCTS:

@@ -19,6 +19,7 @@ from shapes import (
     SPHERE,
     TRIANGLE,
     UNIT,
+    WAYS,
     Shapes,
     cross,
     dot,
@@ -63,14 +64,15 @@ def leave(rng: np.random.Generator, side: Any) -> Any:
     return np.where(rng.random((len(side), 1)) < 0.5, unit(along), e)
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("name", FLAT + SOLID + ["open cone"])
-def test_points_are_within_their_error_and_rays_leave(name: str, level: str) -> None:
+def test_points_are_within_their_error_and_rays_leave(name: str, level: str, way: str) -> None:
     """Pbrt's Reintersect, with sizes of 1e-3 … 1e3 and rays from up to 1e4 sizes away."""
     shapes = random_shapes(name, level, 1000, seed=2)
     numbers, origin, direction = aim(shapes, COUNT[level], seed=1)
     r = ray(level, origin, direction)
-    found, c = cross(shapes, r, numbers)
+    found, c = cross(shapes, r, numbers, way)
     assert found.mean() > (0.7 if name == "open cone" else 0.995)
     s = surface(shapes, r, c, numbers)
     allowed = dot(abs(s.normal.astype(float)), s.error.astype(float))
@@ -85,7 +87,7 @@ def test_points_are_within_their_error_and_rays_leave(name: str, level: str) -> 
     outside = np.where(dot(s.normal, r.direction)[:, None] < 0, s.normal, -s.normal).astype(float)
     for side in (outside, -outside) if name in FLAT else (outside,):
         second = ray(level, spawn(level, s, side), leave(rng, side))
-        again, _ = cross(shapes, second, numbers)
+        again, _ = cross(shapes, second, numbers, way)
         if name == "triangle":  # a thin one's exact normal is another: rays that do not leave by it
             a, b, c3 = np.moveaxis(shapes.points[numbers].astype(np.longdouble), 1, 0)
             exact = np.cross(b - a, c3 - a)
@@ -93,17 +95,18 @@ def test_points_are_within_their_error_and_rays_leave(name: str, level: str) -> 
         assert not (again & found).any(), f"{(again & found).sum()} rays hit what they left"
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
-def test_rays_inside_a_sphere_meet_its_other_side(level: str) -> None:
+def test_rays_inside_a_sphere_meet_its_other_side(level: str, way: str) -> None:
     shapes = random_shapes("sphere", level, 1000, seed=5)
     numbers, origin, direction = aim(shapes, COUNT[level], seed=6, most=100)
     r = ray(level, origin, direction)
-    _, c = cross(shapes, r, numbers)
+    _, c = cross(shapes, r, numbers, way)
     s = surface(shapes, r, c, numbers)
     inwards = -s.normal.astype(float)
     start = spawn(level, s, inwards)
     second = ray(level, start, leave(np.random.default_rng(7), inwards))
-    again, c = cross(shapes, second, numbers)
+    again, c = cross(shapes, second, numbers, way)
     assert again.all()
     o, d = start.astype(np.longdouble), second.direction.astype(np.longdouble)
     f, radius = o - shapes.rows[numbers, :3], shapes.rows[numbers, 3].astype(np.longdouble)
@@ -162,9 +165,10 @@ def inside_triangle(o: Any, d: Any, corners: Any) -> Any:
 WRONG_WITHIN = {"sphere": 8, "box": 8, "cylinder": 16, "triangle": 12}
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", WRONG_WITHIN)
 @pytest.mark.parametrize("away", [1.5, 1e2, 1e4, 1e6])
-def test_decisions_are_right_beyond_their_bound(name: str, away: float) -> None:
+def test_decisions_are_right_beyond_their_bound(name: str, away: float, way: str) -> None:
     """NUMERICS rows 1, 3, 4, 8: rays near the outlines of shapes, from near and far; 0 wrong ones."""
     rng = np.random.default_rng(11)
     n, level = 20_000, "standard"
@@ -181,7 +185,7 @@ def test_decisions_are_right_beyond_their_bound(name: str, away: float) -> None:
         target = middle + off * (u * np.cos(turn) + v * np.sin(turn))
     origin = (target - d * size[:, None] * away).astype(np.float32).astype(float)
     r = ray(level, origin, unit(target - origin))
-    found, _ = cross(shapes, r, numbers)
+    found, _ = cross(shapes, r, numbers, way)
     o, e = r.origin.astype(np.longdouble), r.direction.astype(np.longdouble)
     rows = shapes.rows[numbers]
     reach = length(o - middle) + size + length(middle)
@@ -240,7 +244,8 @@ def test_a_plane_at_a_grazing_angle() -> None:
     assert not (again & found).any()
 
 
-def test_a_needle_is_hit_only_within_its_box() -> None:
+@pytest.mark.parametrize("way", WAYS)
+def test_a_needle_is_hit_only_within_its_box(way: str) -> None:
     """NUMERICS row 10 (embree#387): long thin triangles met at a grazing angle."""
     rng = np.random.default_rng(21)
     n = 20_000
@@ -254,7 +259,7 @@ def test_a_needle_is_hit_only_within_its_box() -> None:
         (target - unit(along + 0.01 * units(rng, n)) * rng.uniform(10, 600, (n, 1))).astype(np.float32).astype(float)
     )
     r = ray("standard", origin, unit(target - origin))
-    found, c = cross(shapes, r, numbers)
+    found, c = cross(shapes, r, numbers, way)
     assert found.sum() > 1000
     at = origin + r.direction.astype(float) * c.distance[:, None].astype(float)
     slack = 16 * UNIT["standard"] * (length(origin) + length(target) + c.distance)[:, None]
@@ -262,8 +267,9 @@ def test_a_needle_is_hit_only_within_its_box() -> None:
     assert within.all(1)[found].all()
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("step", [4e-5, 1e-5, 2e-6])
-def test_a_thin_layer_is_met(step: float) -> None:
+def test_a_thin_layer_is_met(step: float, way: str) -> None:
     """NUMERICS row 13: a ray that leaves a sphere meets another that is slightly larger."""
     rng = np.random.default_rng(8)
     n = 10_000
@@ -273,9 +279,9 @@ def test_a_thin_layer_is_met(step: float) -> None:
     d = units(rng, n)
     r = ray("standard", d * 5, -d)
     zero, one = np.zeros(n, int), np.ones(n, int)
-    _, c = cross(shapes, r, zero)
+    _, c = cross(shapes, r, zero, way)
     s = surface(shapes, r, c, zero)
-    found, c = cross(shapes, ray("standard", spawn("standard", s, s.normal), d), one)
+    found, c = cross(shapes, ray("standard", spawn("standard", s, s.normal), d), one, way)
     assert found.all()
     assert abs(c.distance - outer).max() < 16 * UNIT["standard"]
 

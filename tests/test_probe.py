@@ -68,11 +68,14 @@ def test_results_are_arguments(level: str, lanes: int) -> None:
 
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_a_whole_scene_as_a_dict_of_tables(lanes: int) -> None:
+    fields = SPHERES[:, [4, 5, 6, 8, 9, 10, 0, 1, 2, 3]]  # box, centre, radius
     scene = {
         "primitives": [[0, 0, 0, 0], [0, 1, 0, 0]],
         "spheres": SPHERES,
-        "order": [0, 1],
-        "count": [0, 2, 0, 0],
+        "blocks": fields[[0, 1, 1, 1, 1, 1, 1, 1]].T.ravel(),
+        "block_numbers": [0, 1, 1, 1, 1, 1, 1, 1],
+        "links": [[0, 0]],
+        "count": [0, 1, 0, 0],
     }
     ray = feeler.probe("make_ray", ORIGINS, [0, 0, -1.0], lanes=lanes)
     hit = feeler.probe("closest_hit", scene, ray, True, lanes=lanes, options="-DHAS_TREE=0")
@@ -89,7 +92,14 @@ def test_global_pointers_take_whole_arrays() -> None:
 def test_masks_and_results_without_lanes() -> None:
     mask = [True, False, True, False, False, False]
     assert np.array_equal(feeler.probe("any_lane", mask, lanes=2), [1, 1, 0])
-    assert np.array_equal(feeler.probe("count_lanes", mask, lanes=4), [2, 0])
+    assert np.array_equal(feeler.probe("lane_bits", mask, lanes=4), [0b0101, 0])
+
+
+def test_one_ray_is_in_all_lanes() -> None:
+    rows = np.arange(16.0)
+    near = feeler.probe("least_lane", [3.0, 1, 2], lanes=4, options="-DRAYS=1")
+    assert np.array_equal(near, [3, 1, 2])
+    assert np.array_equal(feeler.probe("gather", rows, [2, 0], 4, lanes=4, options="-DRAYS=1").w, [11, 3])
 
 
 def test_what_varies_without_lanes_has_a_work_item_each() -> None:
@@ -133,9 +143,10 @@ def test_a_given_queue(queue: Any) -> None:
 
 SOURCE = """
 #define MEDIA 3 // at most
+#define INLINE __attribute__((always_inline))
 typedef struct { reals x, y, z; } vectors;
 /* typedef struct { int no; } no; */
-typedef struct { vectors at[2]; ints media[MEDIA], last; global const real4 *table; } thing;
+typedef struct { vectors at[2]; ints media[MEDIA], last; real rows[2][3]; global const real4 *table; } thing;
 #if 1
 static inline reals first(const thing t,
                           private thing *u, __global const uint4 *table)
@@ -144,7 +155,7 @@ static inline reals first(const thing t,
 }
 #endif
 kernel void entry(global real *out) { }
-void nothing(void) { }
+INLINE void nothing(void) { }
 """
 
 
@@ -157,19 +168,24 @@ def test_prototypes() -> None:
     described = [(p.name, p.type, p.space, p.constant) for p in first.parameters]
     assert described == [("t", "thing", "", True), ("u", "thing", "private", False), ("table", "uint4", "global", True)]
     assert found.function("nothing").parameters == ()
+    assert found.function("nothing").returns == "void"
     layout = Layout(found, lanes=1, double=False)
     paths = [leaf.path for leaf in layout.leaves("thing")]
     assert paths[:3] == [".at[0].x", ".at[0].y", ".at[0].z"]
-    assert paths[6:] == [".media[0]", ".media[1]", ".last"]
+    assert paths[6:9] == [".media[0]", ".media[1]", ".last"]
+    assert paths[9:] == [f".rows[{i}][{j}]" for i in range(2) for j in range(3)]
     assert [path for path, _ in layout.tables("thing")] == [".table"]
 
 
 def test_arrays_in_structs_split_and_join() -> None:
     layout = Layout(read_prototypes(SOURCE, ""), lanes=1, double=False)
-    value = (np.arange(12.0).reshape(2, 2, 3), np.arange(6).reshape(2, 3), [7, 8], None)
+    value = (np.arange(12.0).reshape(2, 2, 3), np.arange(6).reshape(2, 3), [7, 8], np.arange(12).reshape(2, 2, 3), None)
     parts = layout.split("thing", value, "t")
-    assert [part.shape for part in parts] == [(2,)] * 10
+    assert [part.shape for part in parts] == [(2,)] * 16
     joined = layout.join("thing", iter(parts))
     assert np.array_equal(joined.media, value[1])
     assert np.array_equal(joined.at[1], value[0][:, 1])
     assert list(joined.last) == [7, 8]
+    assert np.array_equal(joined.rows, value[3])
+    flat = layout.split("thing", (*value[:3], value[3].reshape(2, 6), None), "t")
+    assert all(np.array_equal(a, b) for a, b in zip(parts, flat, strict=True))
