@@ -271,6 +271,12 @@ quads gather(global const real *first, ints index, int stride) {
     q.xyz = splat_xyz(v);
     q.w = splat(v.w);
 #else
+    if (!any_lane(index != whole(INT_LANE(index, 0)))) { // most often all rays are at the same thing
+        const real4 v = *(global const real4 *)(first + (size_t)INT_LANE(index, 0) * stride);
+        q.xyz = splat_xyz(v);
+        q.w = splat(v.w);
+        return q;
+    }
     for (int lane = 0; lane < LANES; lane++) {
         const real4 v = *(global const real4 *)(first + (size_t)INT_LANE(index, lane) * stride);
         REAL_LANE(q.xyz.x, lane) = v.x;

@@ -47,25 +47,25 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
     for (ray r = make_ray(origin, direction); any_ray(active);) {
         const hit h = traverse(s, &r, active, limit, false);
         active &= h.primitive >= 0;
-        const identity id = identify(s, active, h);
+        const identity id = identify(s, active, &h);
         const vectors passes = GATHER(s->materials, active ? id.material : whole(0), transmission).xyz;
         share = choose(active, mul(share, passes), share);
         active &= largest(share) > splat(0);
-        r = step_beyond(r, h, active);
+        r = step_beyond(r, &h, active);
     }
     return share;
 }
 #endif
 
 // What arrives at a point from a light at `to_light` (a segment; a direction of length 1 where the light is directional).
-visibility send_feelers(const scene *s, shade_point p, light l, ints front, ints active) {
+INLINE visibility send_feelers(const scene *s, const shade_point *p, light l, ints front, ints active) {
     visibility v;
     v.sent = active;
     v.share = where(active, splat_xyz((real4)(1)));
 #if HAS_SHADOWS
     if (!any_ray(active))
         return v;
-    const vectors origin = spawn(p.point, p.error, choose(front, p.normal, negate(p.normal)));
+    const vectors origin = spawn(p->point, p->error, choose(front, p->normal, negate(p->normal)));
     const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), origin) : splat_xyz(l.position);
     const reals length = sqrt(dot3(segment, segment));
     const vectors direction = scale(segment, splat(1) / length);
@@ -86,33 +86,33 @@ ints is_positive(vectors a) {
 }
 
 // The two terms of one light at each lane: reflection's where it is on the viewer's side, transmission's where it is not.
-illumination illuminate(const scene *s, shade_point p, coefficients c, light l, ints active) {
+INLINE illumination illuminate(const scene *s, const shade_point *p, const coefficients *c, light l, ints active) {
     const vectors intensity_d = splat_xyz(l.diffuse), intensity_s = splat_xyz(l.specular);
-    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), p.point) : splat_xyz(l.position);
+    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), p->point) : splat_xyz(l.position);
     const reals squared = dot3(segment, segment);
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
-    const reals cosine = dot3(direction, p.shading), side = dot3(direction, p.normal);
+    const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
     const ints front = active & (cosine > splat(0)) & (side > splat(0));
     ints sends = mask(false);
     vectors diffuse = where(sends, intensity_d), specular = diffuse;
     reals shine = splat(0);
 #if HAS_DIFFUSE
-    diffuse = where(front, mul(c.diffuse, intensity_d));
+    diffuse = where(front, mul(c->diffuse, intensity_d));
 #endif
 #if HAS_SPECULAR
-    specular = where(front, mul(c.specular, intensity_s));
-    shine = front ? dot3(p.r, direction) : shine;
+    specular = where(front, mul(c->specular, intensity_s));
+    shine = front ? dot3(p->r, direction) : shine;
 #endif
 #if HAS_DIFFUSE_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
     const ints back = active & (cosine < splat(0)) & (side < splat(0));
 #endif
 #if HAS_DIFFUSE_TRANSMISSION
-    diffuse = choose(back, mul(c.diffuse_transmission, intensity_d), diffuse);
+    diffuse = choose(back, mul(c->diffuse_transmission, intensity_d), diffuse);
 #endif
 #if HAS_SPECULAR_TRANSMISSION
-    specular = choose(back & p.t.found, mul(c.specular_transmission, intensity_s), specular);
-    shine = back & p.t.found ? dot3(p.t.direction, direction) : shine;
+    specular = choose(back & p->t.found, mul(c->specular_transmission, intensity_s), specular);
+    shine = back & p->t.found ? dot3(p->t.direction, direction) : shine;
 #endif
     const ints shines = is_positive(specular) & (shine > splat(0));
     sends = is_positive(diffuse) | shines;
@@ -122,7 +122,7 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
     vectors sum = scale(diffuse, fabs(cosine));
 #if HAS_SPECULAR || HAS_SPECULAR_TRANSMISSION
     if (any_ray(shines & is_positive(v.share))) {
-        const reals highlight = power(min(shines ? shine : splat(0), splat(1)), c.shininess);
+        const reals highlight = power(min(shines ? shine : splat(0), splat(1)), c->shininess);
         sum = add(sum, scale(specular, shines ? highlight : splat(0)));
     }
 #endif
@@ -131,14 +131,14 @@ illumination illuminate(const scene *s, shade_point p, coefficients c, light l, 
 }
 
 // I_local of (16.20) at each active lane, 0 elsewhere.
-illumination illuminate_locally(const scene *s, shade_point p, vectors ambient_light, ints material, ints active) {
+illumination illuminate_locally(const scene *s, const shade_point *p, vectors ambient_light, ints material, ints active) {
     const coefficients c = find_coefficients(s, material);
     illumination sum;
     sum.feelers = whole(0);
     const vectors ambient = mul(GATHER(s->materials, material, ambient).xyz, ambient_light);
     sum.colour = where(active, add(ambient, GATHER(s->materials, material, emission).xyz));
     for (uint i = 0; i < s->count.x; i++) {
-        const illumination one = illuminate(s, p, c, s->lights[i], active);
+        const illumination one = illuminate(s, p, &c, s->lights[i], active);
         sum.colour = add(sum.colour, one.colour);
         sum.feelers += one.feelers;
     }

@@ -52,7 +52,7 @@ reals reciprocal(reals d) {
     return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d) : d);
 }
 
-ray make_ray(vectors origin, vectors direction) {
+INLINE ray make_ray(vectors origin, vectors direction) {
     ray r;
     r.origin = origin;
     r.direction = direction;
@@ -139,9 +139,9 @@ ints is_ahead(ray r, reals distance) {
 
 #if STEPS
 // The ray beyond a hit, for the active lanes.
-ray step_beyond(ray r, hit h, ints active) {
-    r.least = active ? h.distance : r.least;
-    r.last = active ? h.primitive : r.last;
+ray step_beyond(ray r, const hit *h, ints active) {
+    r.least = active ? h->distance : r.least;
+    r.last = active ? h->primitive : r.last;
     return r;
 }
 #endif

@@ -68,12 +68,12 @@ kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const lau
         ints number = h.primitive;
         if (INT_LANE(number, 0) < 0)
             return;
-        identity id = identify(&s, mask(true), h);
-        const surface f = find_surface(&s, r, h, mask(true), id);
+        identity id = identify(&s, mask(true), &h);
+        const surface f = find_surface(&s, &r, &h, mask(true), &id);
         ints outwards = dot3(direction, f.normal) > splat(0);
         ints passes = transmits(&s, id.material);
         if (INT_LANE(passes, 0) && (INT_LANE(id.flags, 0) & FLAG_SOLID)) {
-            ints known = contains_medium(entered, id.material);
+            ints known = contains_medium(&entered, id.material);
             if (!INT_LANE(outwards, 0)) {
                 entered = enter_medium(entered, id.material);
             } else if (INT_LANE(known, 0)) {
@@ -84,7 +84,7 @@ kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const lau
                 eye_media[0] = INT_LANE(id.material, 0);
             }
         }
-        r = step_beyond(r, h, mask(true));
+        r = step_beyond(r, &h, mask(true));
     }
 #endif
 }

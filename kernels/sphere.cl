@@ -7,7 +7,12 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
     const reals a = dot3(r.direction, r.direction);
     const reals b = -dot3(f, r.direction);
     const vectors chord = along(f, r.direction, b / a);
-    const reals apart = sqrt(dot3(chord, chord)), length = sqrt(dot3(f, f));
+    // Roots are dear: a ray that passes by is known by the squares, unless it is at the edge.
+    const reals near = dot3(chord, chord), far = dot3(f, f), reach = radius * radius * (R(1) + R(8) * UNIT);
+    crossing none = {mask(false), splat(0), splat(0), splat(0)};
+    if (!any_lane((near <= reach) | (far <= reach)))
+        return none;
+    const reals apart = sqrt(near), length = sqrt(far);
     const reals c = (length - radius) * (length + radius);
     const reals discriminant = a * ((radius - apart) * (radius + apart));
     const reals q = b + copysign(sqrt(max(discriminant, splat(0))), b);

@@ -39,47 +39,48 @@ ints transmits(const scene *s, ints material) {
 
 #if HAS_TRANSMISSION
 // How far from a hit, per coordinate, another surface may be and still be at the same place: both points' errors, twice.
-vectors blur_of(surface f) {
-    return scale(add(f.error, scale(absolute(f.point), splat(GAMMA(12)))), splat(4));
+vectors blur_of(const surface *f) {
+    return scale(add(f->error, scale(absolute(f->point), splat(GAMMA(12)))), splat(4));
 }
 
 // What lies where a medium ends is met together with its boundary: a ray that starts behind would not find it. Another
 // medium's boundary makes one boundary with it; an opaque surface hides it.
-encounter merge_touching(const scene *s, packet p, ray r, encounter e, ints active) {
-    const reals slope = max(fabs(dot3(e.f.normal, p.direction)), splat(R(0x1p-6)));
-    const reals limit = (e.h.distance + dot3(absolute(e.f.normal), blur_of(e.f)) / slope) * (R(1) + R(4) * UNIT);
+void merge_touching(const scene *s, const packet *p, ray r, encounter *e, ints active) {
+    const reals slope = max(fabs(dot3(e->f.normal, p->direction)), splat(R(0x1p-6)));
+    const reals limit = (e->h.distance + dot3(absolute(e->f.normal), blur_of(&e->f)) / slope) * (R(1) + R(4) * UNIT);
     while (any_ray(active)) {
-        r = step_beyond(r, e.h, active);
+        r = step_beyond(r, &e->h, active);
         const hit h = traverse(s, &r, active, limit, false);
         active &= h.primitive >= 0;
-        const identity id = identify(s, active, h);
-        const surface f = find_surface(s, r, h, active, id);
+        if (!any_ray(active))
+            return;
+        const identity id = identify(s, active, &h);
+        const surface f = find_surface(s, &r, &h, active, &id);
         const ints medium = transmits(s, id.material);
-        e.b.visible &= !active | medium;
+        e->b.visible &= !active | medium;
         active &= medium;
-        e.touched |= active;
-        const boundary both = merge_boundary(s, e.b, id.material, dot3(f.normal, p.direction) < splat(0));
-        e.b = choose_boundary(active, both, e.b);
-        e.h.distance = active ? h.distance : e.h.distance;
-        e.h.primitive = active ? h.primitive : e.h.primitive;
+        e->touched |= active;
+        const boundary both = merge_boundary(s, e->b, id.material, dot3(f.normal, p->direction) < splat(0));
+        e->b = choose_boundary(active, both, e->b);
+        e->h.distance = active ? h.distance : e->h.distance;
+        e->h.primitive = active ? h.primitive : e->h.primitive;
     }
-    return e;
 }
 #endif
 
-encounter meet(const scene *s, packet p, ray r, ints active) {
+encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     encounter e;
-    e.h = closest_hit(s, &r, active);
+    e.h = closest_hit(s, r, active);
     const ints found = active & (e.h.primitive >= 0);
-    e.id = identify(s, found, e.h);
-    e.f = find_surface(s, r, e.h, found, e.id);
-    e.entering = dot3(e.f.normal, p.direction) < splat(0);
+    e.id = identify(s, found, &e.h);
+    e.f = find_surface(s, r, &e.h, found, &e.id);
+    e.entering = dot3(e.f.normal, p->direction) < splat(0);
 #if HAS_TRANSMISSION
     const ints medium = found & transmits(s, e.id.material);
-    e.b = cross_boundary(s, p.in, e.id.material, e.entering);
-    e.b = choose_boundary(medium, e.b, meet_opaque(s, p.in, e.id.material, e.entering));
+    e.b = cross_boundary(s, &p->in, e.id.material, e.entering);
+    e.b = choose_boundary(medium, e.b, meet_opaque(s, &p->in, e.id.material, e.entering));
     e.touched = mask(false);
-    e = merge_touching(s, p, r, e, medium);
+    merge_touching(s, p, *r, &e, medium);
 #elif BENDS
     const reals index = index_of(s, e.id.material);
     e.b.eta = e.entering ? splat(1) / index : index;
@@ -88,7 +89,7 @@ encounter meet(const scene *s, packet p, ray r, ints active) {
 }
 
 #if HAS_TRANSMISSION
-encounter choose_encounter(ints m, encounter a, encounter b) {
+INLINE encounter choose_encounter(ints m, encounter a, encounter b) {
     a.h.distance = m ? a.h.distance : b.h.distance;
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
     a.id.material = m ? a.id.material : b.id.material;
@@ -102,35 +103,35 @@ encounter choose_encounter(ints m, encounter a, encounter b) {
 
 // The first visible surface: a boundary that a medium of higher priority hides is passed straight through, and only the
 // list of media changes.
-encounter meet_visible(const scene *s, packet *p) {
+INLINE encounter meet_visible(const scene *s, packet *p) {
     ray r = make_ray(p->origin, p->direction);
-    encounter e = meet(s, *p, r, p->active);
+    encounter e = meet(s, p, &r, p->active);
 #if HAS_TRANSMISSION
     for (ints hidden = p->active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
-        r = step_beyond(r, e.h, hidden);
+        r = step_beyond(r, &e.h, hidden);
         p->in = choose_media(hidden, e.b.behind, p->in);
-        e = choose_encounter(hidden, meet(s, *p, r, hidden), e);
+        e = choose_encounter(hidden, meet(s, p, &r, hidden), e);
     }
 #endif
     return e;
 }
 
 // The surface as the shading sees it: normals turned to v's side, reflection and transmission found.
-shade_point make_shade_point(packet p, encounter e) {
+INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
     shade_point q;
-    q.point = e.f.point;
-    q.error = e.f.error;
-    q.v = negate(p.direction);
-    q.normal = choose(e.entering, e.f.normal, negate(e.f.normal));
+    q.point = e->f.point;
+    q.error = e->f.error;
+    q.v = negate(p->direction);
+    q.normal = choose(e->entering, e->f.normal, negate(e->f.normal));
     q.shading = q.normal;
 #if HAS_SMOOTH
-    const vectors turned = choose(e.entering, e.f.shading, negate(e.f.shading));
+    const vectors turned = choose(e->entering, e->f.shading, negate(e->f.shading));
     const reals height = dot3(turned, q.v);
     q.shading = choose(height > splat(0), turned, normalise(along(turned, q.v, R(0x1p-10) - height)));
 #endif
     q.r = keep_above(reflect(q.v, q.shading), q.normal);
 #if BENDS
-    q.t = refract(q.v, q.shading, e.b.eta);
+    q.t = refract(q.v, q.shading, e->b.eta);
     q.t.direction = keep_above(q.t.direction, negate(q.normal));
 #else
     q.t.found = mask(false);
@@ -144,41 +145,41 @@ typedef struct {
     vectors reflection, transmission;
 } shares;
 
-shares find_shares(const scene *s, shade_point q, encounter e) {
-    const ints material = e.id.material;
+INLINE shares find_shares(const scene *s, const shade_point *q, const encounter *e) {
+    const ints material = e->id.material;
     shares w;
     w.reflection = GATHER(s->materials, material, reflection).xyz;
     w.transmission = where(mask(false), w.reflection);
 #if HAS_TRANSMISSION
     const vectors passes = GATHER(s->materials, material, transmission).xyz;
-    w.transmission = where(q.t.found, passes);
+    w.transmission = where(q->t.found, passes);
 #endif
 #if HAS_FRESNEL || HAS_TOTAL_REFLECTION
     const quads optics = GATHER(s->materials, material, optics);
 #endif
 #if HAS_FRESNEL
-    const reals cos_v = dot3(q.v, q.shading), cos_t = -dot3(q.t.direction, q.shading);
-    const ints weighted = q.t.found & (optics.w != splat(0));
-    const reals reflected = fresnel(cos_v, cos_t, e.b.eta);
+    const reals cos_v = dot3(q->v, q->shading), cos_t = -dot3(q->t.direction, q->shading);
+    const ints weighted = q->t.found & (optics.w != splat(0));
+    const reals reflected = fresnel(cos_v, cos_t, e->b.eta);
     w.reflection = choose(weighted, scale(w.reflection, reflected), w.reflection);
     w.transmission = choose(weighted, scale(w.transmission, splat(1) - reflected), w.transmission);
 #endif
 #if HAS_TRANSMISSION && HAS_TOTAL_REFLECTION
-    const ints carries = !q.t.found & (optics.xyz.z != splat(0));
+    const ints carries = !q->t.found & (optics.xyz.z != splat(0));
     w.reflection = choose(carries, add(w.reflection, passes), w.reflection);
 #endif
     return w;
 }
 
 // The packet that goes on with the given shares; what the depth or the cutoff forbids is added to `sum->discarded`.
-packet send_on(packet p, vectors origin, vectors share, vectors direction, ints active, real cutoff, uint depth,
+INLINE packet send_on(const packet *p, vectors origin, vectors share, vectors direction, ints active, real cutoff, uint depth,
                tree_sum *sum) {
-    packet next = p;
-    next.weight = mul(p.weight, share);
+    packet next = *p;
+    next.weight = mul(p->weight, share);
     next.direction = direction;
-    next.depth = p.depth + 1;
+    next.depth = p->depth + 1;
     next.active = active & is_positive(next.weight);
-    const ints stopped = next.active & (mask(p.depth >= depth) | (largest(next.weight) < cutoff));
+    const ints stopped = next.active & (mask(p->depth >= depth) | (largest(next.weight) < cutoff));
     sum->discarded = add(sum->discarded, where(stopped, next.weight));
     next.active &= !stopped;
     next.origin = origin;
@@ -190,19 +191,19 @@ typedef struct {
     packet reflected, transmitted;
 } children;
 
-children send_children(const scene *s, packet p, encounter e, shade_point q, ints found, real cutoff, uint depth,
+INLINE children send_children(const scene *s, const packet *p, const encounter *e, const shade_point *q, ints found, real cutoff, uint depth,
                        tree_sum *sum) {
     children c;
-    c.reflected = c.transmitted = p;
+    c.reflected = c.transmitted = *p;
     c.reflected.active = c.transmitted.active = mask(false);
 #if HAS_REFLECTION || HAS_TRANSMISSION
     const shares share = find_shares(s, q, e);
-    const vectors outside = spawn(q.point, q.error, q.normal);
-    c.reflected = send_on(p, outside, share.reflection, q.r, found, cutoff, depth, sum);
+    const vectors outside = spawn(q->point, q->error, q->normal);
+    c.reflected = send_on(p, outside, share.reflection, q->r, found, cutoff, depth, sum);
 #if HAS_TRANSMISSION
-    const vectors inside = spawn(q.point, choose(e.touched, blur_of(e.f), q.error), negate(q.normal));
-    c.transmitted = send_on(p, inside, share.transmission, q.t.direction, found, cutoff, depth, sum);
-    c.transmitted.in = e.b.behind;
+    const vectors inside = spawn(q->point, choose(e->touched, blur_of(&e->f), q->error), negate(q->normal));
+    c.transmitted = send_on(p, inside, share.transmission, q->t.direction, found, cutoff, depth, sum);
+    c.transmitted.in = e->b.behind;
 #endif
 #endif
     sum->reflection = count_where(sum->reflection, c.reflected.active);
@@ -211,14 +212,14 @@ children send_children(const scene *s, packet p, encounter e, shade_point q, int
 }
 
 // What eye rays that hit nothing see is left out where the background is to be transparent.
-vectors see_background(const view *camera, packet p, ints missed) {
-    const bool shows = p.depth > 1 || camera->limits.z == R(0);
-    return where(missed & mask(shows), mul(p.weight, splat_xyz(camera->background)));
+INLINE vectors see_background(const view *camera, const packet *p, ints missed) {
+    const bool shows = p->depth > 1 || camera->limits.z == R(0);
+    return where(missed & mask(shows), mul(p->weight, splat_xyz(camera->background)));
 }
 
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
-tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
+INLINE tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
     sum.reflection = sum.transmission = sum.shadow = whole(0);
@@ -230,18 +231,18 @@ tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
     for (;;) {
         const encounter e = meet_visible(s, &p);
         const ints found = p.active & (e.h.primitive >= 0);
-        sum.colour = add(sum.colour, see_background(camera, p, p.active & !found));
+        sum.colour = add(sum.colour, see_background(camera, &p, p.active & !found));
         sum.deepest = max(sum.deepest, p.depth);
         if (p.depth == 1)
             sum.hits = found;
         children next;
         next.reflected.active = next.transmitted.active = mask(false);
         if (any_ray(found)) {
-            const shade_point q = make_shade_point(p, e);
-            const illumination lit = illuminate_locally(s, q, splat_xyz(camera->ambient), e.id.material, found);
+            const shade_point q = make_shade_point(&p, &e);
+            const illumination lit = illuminate_locally(s, &q, splat_xyz(camera->ambient), e.id.material, found);
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
             sum.shadow += lit.feelers;
-            next = send_children(s, p, e, q, found, camera->limits.x, depth, &sum);
+            next = send_children(s, &p, &e, &q, found, camera->limits.x, depth, &sum);
         }
         if (any_ray(next.reflected.active)) {
             p = next.reflected;

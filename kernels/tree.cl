@@ -122,6 +122,7 @@ NOINLINE hit traverse_one(const scene *s, const ray *r, hit best, uint2 here, bo
 typedef struct {
     real near_origin[3], far_origin[3], least_inverse[3], greatest_inverse[3];
     bool both_ways[3], backwards[3];
+    real least; // distance
 } beam;
 
 void set_beam_axis(beam *b, int axis, reals origin, reals inverse, ints active) {
@@ -141,6 +142,7 @@ beam make_beam(const ray *r, ints active) {
     set_beam_axis(&b, 0, r->origin.x, r->inverse.x, active);
     set_beam_axis(&b, 1, r->origin.y, r->inverse.y, active);
     set_beam_axis(&b, 2, r->origin.z, r->inverse.z, active);
+    b.least = least_lane(active ? r->least : splat(INFINITY));
     return b;
 }
 
@@ -162,7 +164,7 @@ INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit) {
     i = clip_axis(b, 1, i, low.y, high.y);
     i = clip_axis(b, 2, i, low.z, high.z);
     i.far = widen(i.far);
-    return lane_bits((i.near <= i.far) & (i.far >= splat(0)) & (i.near <= limit)) & ((1u << CHUNK) - 1);
+    return lane_bits((i.near <= i.far) & (i.far >= b->least) & (i.near <= limit)) & ((1u << CHUNK) - 1);
 }
 
 INLINE hit try_apart(const scene *s, const ray *r, const beam *b, ints active, hit best, uint2 link, real limit) {

@@ -21,6 +21,9 @@ crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flag
     const ints s0 = is_left(c, b, e0), s1 = is_left(a, c, e1), s2 = is_left(b, a, e2);
     crossing x;
     x.found = ((s0 & s1 & s2) | !(s0 | s1 | s2)) & (sum != splat(0));
+    x.distance = x.u = x.v = splat(0);
+    if (!any_lane(x.found))
+        return x;
     x.u = e1 / sum; // weights first: no product of three lengths, which would overflow where the scene is large
     x.v = e2 / sum;
     x.distance = fma(e0 / sum, a.z, fma(x.u, b.z, x.v * c.z));
