@@ -39,6 +39,7 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
         {"device", 0, OPTION_TEXT, &j->select, "SELECT", "the first CPU",
          "number or part of a name, see 'feeler devices'", 0, 0},
         {"work-group", 0, OPTION_SIZE, s->work_group, "XxY", "chosen", "work-items of a work-group", 1, 65536},
+        {"pixels", 0, OPTION_SIZE, s->pixels, "XxY", "1x1", "pixels of a work-item, traced side by side", 1, 16},
         {"stats", 0, OPTION_TEXT, &j->stats, "FILE.json", NULL, "write rays, times and settings as JSON; - is stdout",
          0, 0},
         {"quiet", 'q', OPTION_FLAG, &j->quiet, NULL, NULL, "no progress and no summary", 0, 0},

@@ -95,7 +95,8 @@ typedef struct feeler_settings {
     int region[4];     /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
     int transparent;   /* 1: the background does not show, alpha is the coverage */
     int work_group[2]; /* x, y; 0: chosen */
-    int lanes;         /* samples traced side by side: 1, 2, 4, 8 or 16; 0: chosen */
+    int pixels[2];     /* x, y: of a work-item, whose samples go side by side; at most `lanes`, powers of two; 0: 1 x 1 */
+    int lanes;         /* numbers side by side: 1, 2, 4, 8 or 16; 0: chosen */
     int tile;          /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
     int general;       /* 1: compile everything, not only what the scene needs (for tests) */
     int brute_force;   /* 1: no tree (for tests) */

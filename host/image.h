@@ -14,7 +14,7 @@ typedef struct render_stats {
     double discarded_max, discarded_mean;                     /* weight of rays not sent, per pixel and channel */
     double truncation_bound; /* greatest error by truncation, per channel; infinite: unbounded */
     char device[256];
-    int work_group[2];
+    int work_group[2], pixels[2];
     int level, lanes;
     int width, height; /* of the whole picture */
     int samples, depth;

@@ -99,6 +99,11 @@ static size_t round_up(int length, int by) {
     return (size_t)((length + by - 1) / by) * (size_t)by;
 }
 
+/* Work-items for a side of so many pixels. */
+static int items(int length, int pixels) {
+    return (length + pixels - 1) / pixels;
+}
+
 int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     cl_command_queue queue = j->device->queue;
     s->tile = *t;
@@ -106,7 +111,9 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     if (bind_render(j, s, error) < 0)
         return -1;
     const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]}, count = tile_pixels(t);
-    const size_t global[2] = {round_up(t->x1 - t->x0, j->group[0]), round_up(t->y1 - t->y0, j->group[1])};
+    const int *pixels = j->settings.pixels;
+    const size_t global[2] = {round_up(items(t->x1 - t->x0, pixels[0]), j->group[0]),
+                              round_up(items(t->y1 - t->y0, pixels[1]), j->group[1])};
     cl_int status = clEnqueueNDRangeKernel(queue, j->program.render, 2, NULL, global, local, 0, NULL, &s->launched);
     if (status != CL_SUCCESS)
         return fail_cl(error, "clEnqueueNDRangeKernel", status);

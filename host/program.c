@@ -55,8 +55,10 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
         fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
         return NULL;
     }
-    used = (size_t)snprintf(text, size, "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DSTACK=%d -DMEDIA=%d", s->lanes,
-                            s->samples > 1 ? s->lanes : 1, stack_size(s), n.media);
+    int rays = s->samples * s->pixels[0] * s->pixels[1] > 1 ? s->lanes : 1;
+    used = (size_t)snprintf(text, size,
+                            "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
+                            s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)
@@ -74,6 +76,7 @@ char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *se
     if (!scene) {
         s.lanes = s.lanes ? s.lanes : 1;
         s.depth = s.depth ? s.depth : 16;
+        s.pixels[0] = s.pixels[1] = 1;
     } else {
         if (resolve_settings(scene, settings, &s, error) < 0)
             return NULL;

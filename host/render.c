@@ -197,6 +197,7 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     stats->discarded_mean = j->done ? j->discarded_sum / (double)j->done : 0;
     snprintf(stats->device, sizeof stats->device, "%s", j->device->name);
     memcpy(stats->work_group, j->group, sizeof j->group);
+    memcpy(stats->pixels, j->settings.pixels, sizeof stats->pixels);
     stats->level = j->settings.level;
     stats->lanes = j->settings.lanes;
     stats->width = j->settings.width;

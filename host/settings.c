@@ -42,19 +42,19 @@ static int check_settings(const feeler_settings *s, feeler_error *error) {
         return fail(error, FEELER_BAD_USAGE, "%d lanes: 1, 2, 4, 8 or 16 are possible", s->lanes);
     if (s->work_group[0] < 0 || s->work_group[1] < 0 || !s->work_group[0] != !s->work_group[1])
         return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d", s->work_group[0], s->work_group[1]);
+    int pixels = s->pixels[0] * s->pixels[1];
+    if (s->pixels[0] < 1 || s->pixels[1] < 1 || pixels > s->lanes || s->lanes % pixels)
+        return fail(error, FEELER_BAD_USAGE, "%d x %d pixels for %d lanes: powers of two, together at most as many",
+                    s->pixels[0], s->pixels[1], s->lanes);
     if (s->tile < 0)
         return fail(error, FEELER_BAD_USAGE, "a tile of %d pixels", s->tile);
     return 0;
 }
 
-/* One sample is a ray on its own; more travel together, as many as fill a vector of 64 bytes. */
-static int choose_lanes(int samples, int level) {
-    if (samples == 1)
-        return 8;
-    int lanes = 1, most = level == FEELER_REFERENCE ? 8 : 16;
-    while (lanes < most && lanes * 2 <= samples)
-        lanes *= 2;
-    return lanes;
+/* A ray on its own meets the eight children of a node at a time; rays together fill a vector of 64 bytes. */
+static int choose_lanes(const feeler_settings *s) {
+    int rays = s->samples * s->pixels[0] * s->pixels[1];
+    return rays <= 8 || s->level == FEELER_REFERENCE ? 8 : 16;
 }
 
 int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, feeler_settings *s, feeler_error *error) {
@@ -75,7 +75,9 @@ int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, fe
         s->region[2] = s->width;
         s->region[3] = s->height;
     }
+    if (!s->pixels[0] && !s->pixels[1])
+        s->pixels[0] = s->pixels[1] = 1;
     if (s->lanes == 0)
-        s->lanes = choose_lanes(s->samples, s->level);
+        s->lanes = choose_lanes(s);
     return check_settings(s, error);
 }

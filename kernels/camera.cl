@@ -9,6 +9,13 @@ typedef JOIN(uint, LANES) uints;
 #define TO_UINTS JOIN(convert_uint, LANES)
 #endif
 
+// A mask as a comparison of whole numbers gives it, as one of numbers.
+#if LANES == 1
+#define AS_MASK(m) mask(m)
+#else
+#define AS_MASK(m) TO_INTS(m)
+#endif
+
 // a / b without the division of whole numbers, which vectors do not have: right where the quotient is under 2^22.
 uints divide(uints a, uint b) {
     const uints q = TO_UINTS(TO_REALS(a) * (R(1) / R(b))), rest = a - q * b;
@@ -21,8 +28,8 @@ typedef struct {
     uints x, y;
 } hashes;
 
-hashes hash3(uint x, uint y, uints sample) {
-    uints a = (uints)(x * 1664525u + 1013904223u), b = (uints)(y * 1664525u + 1013904223u);
+hashes hash3(uints x, uints y, uints sample) {
+    uints a = x * 1664525u + 1013904223u, b = y * 1664525u + 1013904223u;
     uints c = sample * 1664525u + 1013904223u;
     a += b * c;
     b += c * a;
@@ -47,7 +54,7 @@ typedef struct {
 
 // Where the samples are: cells of equal size in rows that are as many as a square's, a longer row being a higher one. A
 // place depends on pixel and sample alone. One sample is at the centre.
-places place_samples(uint x, uint y, uints sample, uint samples, real jitter) {
+places place_samples(uints x, uints y, uints sample, uint samples, real jitter) {
     uint rows = 1;
     while ((rows + 1) * (rows + 1) <= samples)
         rows++;
@@ -63,14 +70,38 @@ places place_samples(uint x, uint y, uints sample, uint samples, real jitter) {
     return p;
 }
 
-// The directions of the eye rays (16.5, 16.6) of samples first, first + 1, ... of a pixel.
-vectors eye_directions(const view *camera, uint x, uint y, uint first, uint4 frame) {
-    uints sample;
-    for (int lane = 0; lane < LANES; lane++)
-        ((private uint *)&sample)[lane] = min(first + (RAYS == 1 ? 0 : lane), frame.z - 1);
-    const places p = place_samples(x, y, sample, frame.z, camera->limits.y);
-    const reals across = R((int)(2 * x) - (int)frame.x) + 2 * p.x;
-    const reals down = R((int)frame.y - (int)(2 * y)) - 2 * p.y;
+// Pixels of a work-item, and the lanes of each.
+#ifndef PIXELS_X
+#define PIXELS_X 1
+#define PIXELS_Y 1
+#endif
+#define PIXELS (PIXELS_X * PIXELS_Y)
+#define PER_PIXEL (RAYS / PIXELS)
+
+// The pixel and the sample of each lane: samples first, first + 1, ... of each pixel, from the pixel (x, y) on.
+typedef struct {
+    uints x, y, sample;
+} sites;
+
+sites make_sites(uint x, uint y, uint first) {
+    sites at;
+    for (int lane = 0; lane < LANES; lane++) {
+        const int place = RAYS == 1 ? 0 : lane, pixel = place / PER_PIXEL;
+        ((private uint *)&at.x)[lane] = pixel % PIXELS_X;
+        ((private uint *)&at.y)[lane] = pixel / PIXELS_X;
+        ((private uint *)&at.sample)[lane] = place % PER_PIXEL;
+    }
+    at.x += x;
+    at.y += y;
+    at.sample += first;
+    return at;
+}
+
+// The directions of the eye rays (16.5, 16.6).
+vectors eye_directions(const view *camera, sites at, uint4 frame) {
+    const places p = place_samples(at.x, at.y, min(at.sample, frame.z - 1), frame.z, camera->limits.y);
+    const reals across = TO_REALS(at.x) * R(2) - R(frame.x) + 2 * p.x;
+    const reals down = R(frame.y) - TO_REALS(at.y) * R(2) - 2 * p.y;
     const vectors d = along(splat_xyz(camera->forward), splat_xyz(camera->right), across);
     return normalise(along(d, splat_xyz(camera->up), down));
 }

@@ -14,44 +14,65 @@
             cones, nodes, links, blocks, block_numbers, materials, lights, frame.count                                 \
     }
 
-// One pixel per work-item; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
+// What a pixel's samples add up to.
+typedef struct {
+    real4 colour, discarded;
+    tally tally;
+} pixel_sum;
+
+// Adds what the lanes found, sample after sample: the order of a sum is part of the picture.
+void add_samples(pixel_sum sums[PIXELS], const tree_sum *tree, ints active) {
+    for (int lane = 0; lane < RAYS; lane++) {
+        if (!INT_LANE(active, lane))
+            continue;
+        pixel_sum *p = &sums[lane / PER_PIXEL];
+        const uint hits = INT_LANE(tree->hits, lane) ? 1 : 0;
+        p->colour += (real4)(REAL_LANE(tree->colour.x, lane), REAL_LANE(tree->colour.y, lane),
+                             REAL_LANE(tree->colour.z, lane), R(hits));
+        p->discarded += (real4)(REAL_LANE(tree->discarded.x, lane), REAL_LANE(tree->discarded.y, lane),
+                                REAL_LANE(tree->discarded.z, lane), R(0));
+        p->tally.rays += (uint4)(INT_LANE(tree->reflection, lane), INT_LANE(tree->transmission, lane),
+                                 INT_LANE(tree->shadow, lane), hits);
+        p->tally.extreme.x = max(p->tally.extreme.x, (uint)INT_LANE(tree->deepest, lane));
+    }
+}
+
+// One pixel per work-item, or PIXELS; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
 kernel void render(SCENE_PARAMETERS, global const view *views, global const int *eye_media, const launch frame,
                    global real4 *pixels, global real4 *discarded, global tally *tallies) {
-    const uint x = frame.tile.x + get_global_id(0), y = frame.tile.y + get_global_id(1);
+    const uint x = frame.tile.x + get_global_id(0) * PIXELS_X, y = frame.tile.y + get_global_id(1) * PIXELS_Y;
     if (x >= frame.tile.z || y >= frame.tile.w)
         return;
     const scene s = SCENE_ARGUMENTS;
     const view camera = views[0];
     const uint samples = frame.frame.z;
-    real4 colour = (real4)(0), unsent = (real4)(0);
-    tally t = {(uint4)(0), (uint4)(0)};
-    for (uint first = 0; first < samples; first += RAYS) {
+    pixel_sum sums[PIXELS];
+    for (int i = 0; i < PIXELS; i++)
+        sums[i].colour = sums[i].discarded = (real4)(0), sums[i].tally.rays = sums[i].tally.extreme = (uint4)(0);
+    for (uint first = 0; first < samples; first += PER_PIXEL) {
+        const sites at = make_sites(x, y, first);
         packet p;
         p.origin = splat_xyz(camera.eye);
-        p.direction = eye_directions(&camera, x, y, first, frame.frame);
+        p.direction = eye_directions(&camera, at, frame.frame);
         p.weight = splat_xyz((real4)(1));
         p.depth = 1;
-        for (int lane = 0; lane < LANES; lane++)
-            INT_LANE(p.active, lane) = RAYS == 1 || first + lane < samples ? TRUE : 0;
+        p.active = AS_MASK((at.sample < samples) & (at.x < frame.tile.z) & (at.y < frame.tile.w));
 #if HAS_TRANSMISSION
         for (int i = 0; i < MEDIA; i++)
             p.in.material[i] = whole(eye_media[i]);
 #endif
-        tree_sum sum = trace(&s, &camera, p, frame.frame.w);
-        for (int lane = 0; lane < RAYS && first + lane < samples; lane++) {
-            colour += (real4)(REAL_LANE(sum.colour.x, lane), REAL_LANE(sum.colour.y, lane),
-                              REAL_LANE(sum.colour.z, lane), INT_LANE(sum.hits, lane) ? R(1) : R(0));
-            unsent += (real4)(REAL_LANE(sum.discarded.x, lane), REAL_LANE(sum.discarded.y, lane),
-                              REAL_LANE(sum.discarded.z, lane), R(0));
-            t.rays += (uint4)(INT_LANE(sum.reflection, lane), INT_LANE(sum.transmission, lane),
-                              INT_LANE(sum.shadow, lane), INT_LANE(sum.hits, lane) ? 1 : 0);
-        }
-        t.extreme.x = max(t.extreme.x, sum.deepest);
+        const tree_sum sum = trace(&s, &camera, p, frame.frame.w);
+        add_samples(sums, &sum, p.active);
     }
-    const size_t at = (size_t)(y - frame.tile.y) * (frame.tile.z - frame.tile.x) + (x - frame.tile.x);
-    pixels[at] = colour / R(samples);
-    discarded[at] = unsent / R(samples);
-    tallies[at] = t;
+    for (int i = 0; i < PIXELS; i++) {
+        const uint px = x + i % PIXELS_X, py = y + i / PIXELS_X;
+        if (px >= frame.tile.z || py >= frame.tile.w)
+            continue;
+        const size_t at = (size_t)(py - frame.tile.y) * (frame.tile.z - frame.tile.x) + (px - frame.tile.x);
+        pixels[at] = sums[i].colour / R(samples);
+        discarded[at] = sums[i].discarded / R(samples);
+        tallies[at] = sums[i].tally;
+    }
 }
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been

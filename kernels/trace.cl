@@ -14,8 +14,7 @@ typedef struct {
 typedef struct {
     vectors colour, discarded;
     ints hits; // lanes whose eye ray hits
-    ints reflection, transmission, shadow;
-    uint deepest;
+    ints reflection, transmission, shadow, deepest;
 } tree_sum;
 
 // Whether anything asks for the direction of transmission.
@@ -223,7 +222,7 @@ INLINE tree_sum trace(const scene *s, const view *camera, packet p, uint depth) 
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
     sum.reflection = sum.transmission = sum.shadow = whole(0);
-    sum.deepest = 0;
+    sum.deepest = whole(0);
 #if HAS_REFLECTION && HAS_TRANSMISSION
     packet waiting[STACK];
     uint height = 0;
@@ -232,7 +231,7 @@ INLINE tree_sum trace(const scene *s, const view *camera, packet p, uint depth) 
         const encounter e = meet_visible(s, &p);
         const ints found = p.active & (e.h.primitive >= 0);
         sum.colour = add(sum.colour, see_background(camera, &p, p.active & !found));
-        sum.deepest = max(sum.deepest, p.depth);
+        sum.deepest = p.active ? max(sum.deepest, whole(p.depth)) : sum.deepest;
         if (p.depth == 1)
             sum.hits = found;
         children next;

@@ -68,6 +68,7 @@ def make_settings(
     region: tuple[int, int, int, int] | None = None,
     alpha: bool = False,
     work_group: tuple[int, int] | None = None,
+    pixels: tuple[int, int] | None = None,
     lanes: int | None = None,
     tile: int | None = None,
     general: bool = False,
@@ -91,6 +92,8 @@ def make_settings(
         _set(settings, "region", _whole("region", region, 4))
     if work_group is not None:
         _set(settings, "work_group", _whole("work_group", work_group, 2))
+    if pixels is not None:
+        _set(settings, "pixels", _whole("pixels", pixels, 2))
     settings.level = LEVELS.index(level)
     settings.transparent, settings.general, settings.brute_force = bool(alpha), bool(general), bool(brute_force)
     return settings

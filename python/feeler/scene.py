@@ -83,6 +83,7 @@ class Scene:
         queue: Any = None,
         device: str | int | None = None,
         work_group: tuple[int, int] | None = None,
+        pixels: tuple[int, int] | None = None,
         lanes: int | None = None,
         tile: int | None = None,
         general: bool = False,
@@ -105,7 +106,8 @@ class Scene:
             alpha: True leaves the background out of the colour; the alpha is then the coverage.
             queue: a pyopencl.CommandQueue to render on.
             device: a number in `feeler.devices()` or part of a device's name, instead of a queue.
-            work_group: x, y. Like lanes and tile it never changes the picture.
+            work_group: x, y. Like pixels, lanes and tile it never changes the picture.
+            pixels: x, y: of a work-item, 1 x 1 by default; powers of two, together at most as many as lanes.
             lanes: samples that are traced side by side: 1, 2, 4, 8 or 16.
             tile: pixels per launch.
             general: compile everything, not only what the scene needs (for tests).
@@ -115,7 +117,7 @@ class Scene:
         """
         settings = make_settings(
             size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
-            alpha=alpha, work_group=work_group, lanes=lanes, tile=tile, general=general, brute_force=brute_force,
+            alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general, brute_force=brute_force,
         )  # fmt: skip
         opened = open_device(device, queue)
         with _Reporter(progress) as reporter, self._lock, opened.lock:
