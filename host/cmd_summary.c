@@ -42,6 +42,8 @@ static void print_seconds(const json_t *stats) {
     const char *between = "";
     fputs("  seconds  ", stderr);
     json_object_foreach(seconds, key, value) {
+        if (json_is_null(value))
+            continue;
         fprintf(stderr, "%s%s %.3f", between, key, json_number_value(value));
         between = ", ";
     }

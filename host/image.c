@@ -68,12 +68,13 @@ static json_t *describe_settings(const feeler_image *image) {
 
 /* What it took. */
 static json_t *describe_work(const render_stats *s) {
-    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I}, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:i, s:{s:f, s:f}, s:o}", "rays",
-                     "eye", (json_int_t)s->eye, "eye_hits", (json_int_t)s->eye_hits, "reflection",
+    json_t *kernel = s->kernel < 0 ? json_null() : json_real(s->kernel);
+    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I}, s:{s:f, s:f, s:f, s:f, s:o, s:f, s:f}, s:i, s:{s:f, s:f}, s:o}",
+                     "rays", "eye", (json_int_t)s->eye, "eye_hits", (json_int_t)s->eye_hits, "reflection",
                      (json_int_t)s->reflection, "transmission", (json_int_t)s->transmission, "shadow",
                      (json_int_t)s->shadow, "seconds", "load", s->load, "tree", s->tree, "compile", s->compile, "trace",
-                     s->trace, "write", s->write, "total", s->total, "deepest_level", s->deepest, "discarded_weight",
-                     "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound",
+                     s->trace, "kernel", kernel, "write", s->write, "total", s->total, "deepest_level", s->deepest,
+                     "discarded_weight", "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound",
                      bound(s->truncation_bound));
 }
 

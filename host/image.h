@@ -10,7 +10,8 @@
 typedef struct render_stats {
     uint64_t eye, eye_hits, reflection, transmission, shadow; /* rays sent, by kind */
     int deepest;                                              /* deepest level reached, the eye ray's being 1 */
-    double load, tree, compile, trace, write, total;          /* seconds */
+    double load, tree, compile, trace, write, total;          /* seconds of the wall clock */
+    double kernel;                                            /* seconds on the device; -1: the queue does not tell */
     double discarded_max, discarded_mean;                     /* weight of rays not sent, per pixel and channel */
     double truncation_bound; /* greatest error by truncation, per channel; infinite: unbounded */
     char device[256];

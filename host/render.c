@@ -93,18 +93,17 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     const size_t count = tile_pixels(&s->tile);
     /* A launch waits for the one before it: only then does its own time begin. */
     const double now = seconds_now(), wall = now - fmax(s->start, j->taken);
-    double seconds = launch_seconds(s);
+    const double kernel = launch_seconds(s), known = kernel < 0 ? wall : kernel;
     j->taken = now;
-    if (seconds < 0)
-        seconds = wall;
     /* A driver may compile for this group size at the first launch. */
     if (first)
-        j->image->stats.compile += fmax(0, wall - seconds);
-    j->image->stats.trace += seconds;
+        j->image->stats.compile += fmax(0, wall - known);
+    j->image->stats.trace += first ? known : wall;
+    j->image->stats.kernel = kernel < 0 ? -1 : j->image->stats.kernel + kernel;
     copy_pixels(j, s);
     add_tallies(j, s, count);
     add_discarded(j, s, count);
-    adapt_budget(j, seconds, count);
+    adapt_budget(j, known, count);
     j->done += count;
     clReleaseEvent(s->read);
     clReleaseEvent(s->launched);

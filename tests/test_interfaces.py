@@ -88,3 +88,4 @@ def test_times_of_a_queue(scene: feeler.Scene, queue: Any, profiling: bool) -> N
     for tile in (64, None):
         seconds = scene.render(queue=own, tile=tile, size=(96, 72)).stats["seconds"]
         assert 0 <= seconds["trace"] <= seconds["total"], (tile, seconds)
+        assert 0 < seconds["kernel"] <= seconds["trace"] if profiling else seconds["kernel"] is None, (tile, seconds)
