@@ -59,11 +59,12 @@ static json_t *bound(double value) {
 /* How the picture was made. `o` hands a new reference over, so that a NULL in it makes the whole fail. */
 static json_t *describe_settings(const feeler_image *image) {
     const render_stats *s = &image->stats;
-    return json_pack("{s:s, s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}", "version",
-                     feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1], "lanes",
-                     s->lanes, "level", level_name(s->level), "size", s->width, s->height, "region", image->x0,
-                     image->y0, image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter",
-                     s->jitter, "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
+    return json_pack("{s:s, s:s, s:[i,i], s:s, s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}", "version",
+                     feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1],
+                     "work_group_from", s->work_group_from, "lanes", s->lanes, "level", level_name(s->level), "size",
+                     s->width, s->height, "region", image->x0, image->y0, image->x0 + image->width,
+                     image->y0 + image->height, "samples", s->samples, "jitter", s->jitter, "depth", s->depth, "cutoff",
+                     s->cutoff, "features", list_of_words(s->features));
 }
 
 /* What it took. */

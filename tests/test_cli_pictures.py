@@ -66,6 +66,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
         *STATS_KEYS,
         "device",
         "work_group",
+        "work_group_from",
         "level",
         "features",
         "size",
@@ -84,6 +85,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
     assert stats["size"] == [40, 30]
     assert stats["region"] == [8, 4, 24, 20]
     assert stats["work_group"] == [4, 2]
+    assert stats["work_group_from"] == "given"
     assert stats["samples"] == 4
     assert stats["jitter"] == 0.5
     assert stats["depth"] == 3
