@@ -16,7 +16,7 @@ typedef struct render_stats {
     double truncation_bound; /* greatest error by truncation, per channel; infinite: unbounded */
     char device[256];
     int work_group[2];
-    const char *work_group_from; /* "given", "tuned" or "chosen"; static */
+    const char *work_group_from; /* "given", "forced", "tuned" or "chosen"; static */
     int level, lanes;
     int width, height; /* of the whole picture */
     int samples, depth;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-const char *const group_origin_names[] = {"given", "tuned", "chosen"};
+const char *const group_origin_names[] = {"given", "forced", "tuned", "chosen"};
 
 /* A CPU driver keeps the stacks of a whole group on one thread's stack: past about 8 MiB the process would crash. */
 enum { CACHE_BYTES = 256 * 1024, MOST_STACK_BYTES = 4 * 1024 * 1024 };
@@ -14,7 +14,6 @@ typedef struct limits {
     const feeler_device *device;
     size_t most;  /* work-items that device and kernel allow */
     size_t bytes; /* of a CPU thread's stack that a work-item takes */
-    bool guarded; /* against stacks that are too large */
 } limits;
 
 static int find_limits(limits *l, const program *program, feeler_error *error) {
@@ -28,16 +27,20 @@ static int find_limits(limits *l, const program *program, feeler_error *error) {
     return 0;
 }
 
-static int check_group(const limits *l, const int group[2], feeler_error *error) {
-    size_t items = (size_t)group[0] * (size_t)group[1];
-    if (items > l->most)
+static int check_possible(const limits *l, const int group[2], feeler_error *error) {
+    if ((size_t)group[0] * (size_t)group[1] > l->most)
         return fail(error, FEELER_BAD_USAGE,
                     "a work group of %d x %d: '%s' takes at most %zu work-items of this kernel", group[0], group[1],
                     l->device->name, l->most);
-    if (l->guarded && l->device->is_cpu && items * l->bytes > MOST_STACK_BYTES)
+    return 0;
+}
+
+static int check_safe(const limits *l, const int group[2], feeler_error *error) {
+    size_t bytes = (size_t)group[0] * (size_t)group[1] * l->bytes;
+    if (l->device->is_cpu && bytes > MOST_STACK_BYTES)
         return fail(error, FEELER_BAD_USAGE,
                     "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe", group[0],
-                    group[1], items * l->bytes / 1024, MOST_STACK_BYTES / 1024);
+                    group[1], bytes / 1024, MOST_STACK_BYTES / 1024);
     return 0;
 }
 
@@ -52,15 +55,19 @@ static void choose(const limits *l, int group[2]) {
 
 int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *s, needs n,
                       int group[2], group_origin *from, feeler_error *error) {
-    limits l = {.device = device, .bytes = work_item_bytes(s, n), .guarded = !s->unguarded};
+    limits l = {.device = device, .bytes = work_item_bytes(s, n)};
     if (find_limits(&l, program, error) < 0)
         return -1;
     memcpy(group, s->work_group, sizeof s->work_group);
-    *from = GROUP_GIVEN;
-    if (group[0])
-        return check_group(&l, group, error);
+    if (group[0]) {
+        if (check_possible(&l, group, error) < 0)
+            return -1;
+        *from = s->unguarded && check_safe(&l, group, NULL) < 0 ? GROUP_FORCED : GROUP_GIVEN;
+        return *from == GROUP_FORCED ? 0 : check_safe(&l, group, error);
+    }
     *from = GROUP_TUNED;
-    if (!s->untuned && tuned_find(device->name, s, n, group) && check_group(&l, group, NULL) == 0)
+    if (!s->untuned && tuned_find(device->name, s, n, group) && check_possible(&l, group, NULL) == 0 &&
+        check_safe(&l, group, NULL) == 0)
         return 0;
     *from = GROUP_CHOSEN;
     choose(&l, group);

@@ -4,8 +4,8 @@
 
 #include "program.h"
 
-/* Given by the caller, kept by the user for this device and kernel, or chosen here. */
-typedef enum group_origin { GROUP_GIVEN, GROUP_TUNED, GROUP_CHOSEN } group_origin;
+/* Given by the caller; given though it may crash; kept by the user for this device and kernel; or chosen here. */
+typedef enum group_origin { GROUP_GIVEN, GROUP_FORCED, GROUP_TUNED, GROUP_CHOSEN } group_origin;
 
 extern const char *const group_origin_names[];
 
