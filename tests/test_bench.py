@@ -7,6 +7,7 @@ import io
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import time
@@ -15,6 +16,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+from conftest import ROOT
 from pictures import everything
 from spheres import write_spheres
 from t4 import SCHEMA
@@ -170,6 +172,35 @@ def test_a_time_limit_is_a_row(cli: Any, scene: Path) -> None:
     assert time.monotonic() - start < 20
     assert [result["invalidity"] for result in results] == ["timeout", "timeout"]
     assert all(measured(result)["detail"] == "time limit: took more than 0.3 s" for result in results)
+
+
+@pytest.fixture(scope="module")
+def wrong_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A library that makes the driver wrong for groups that are two wide."""
+    library = tmp_path_factory.mktemp("shift") / "shift_ids.so"
+    compiler = shlex.split(os.environ.get("CC", "gcc"))
+    source = ROOT / "tests" / "shift_ids.c"
+    subprocess.run(
+        [*compiler, "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True
+    )
+    return library
+
+
+def test_another_picture_is_a_failure(cli: Any, scene: Path, wrong_driver: Path) -> None:
+    env = {**os.environ, "LD_PRELOAD": str(wrong_driver)}
+    done = cli("bench", scene, *FAST, "--work-groups", "2x2,4x4", "--csv", "a.csv", env=env)
+    assert done.returncode == 1
+    assert "the work group 2x2 makes another picture than the default" in done.stderr
+    with (scene.parent / "a.csv").open() as file:
+        rows = [(row["work_group_x"], row["invalidity"], row["correctness"]) for row in csv.DictReader(file)]
+    assert rows == [("8", "correct", "1"), ("2", "correctness", "0"), ("4", "correct", "1")]
+
+
+def test_kernels_that_do_not_build(cli: Any, scene: Path) -> None:
+    done = cli("bench", scene, *FAST, env={**os.environ, "FEELER_KERNEL_OPTIONS": "-DLANES=nonsense"})
+    assert done.returncode == 1
+    assert "spheres.nff: the kernels do not build" in done.stderr
+    assert done.stdout == ""
 
 
 def test_an_interruption_ends_the_children(program: Path, tmp_path: Path, scene: Path) -> None:
