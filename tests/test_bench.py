@@ -175,19 +175,19 @@ def test_a_time_limit_is_a_row(cli: Any, scene: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def wrong_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A library that makes the driver wrong for groups that are two wide."""
-    library = tmp_path_factory.mktemp("shift") / "shift_ids.so"
+def odd_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A library that makes the driver wrong for groups two wide, and its clock for groups sixteen wide."""
+    library = tmp_path_factory.mktemp("driver") / "odd_driver.so"
     compiler = shlex.split(os.environ.get("CC", "gcc"))
-    source = ROOT / "tests" / "shift_ids.c"
+    source = ROOT / "tests" / "odd_driver.c"
     subprocess.run(
         [*compiler, "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True
     )
     return library
 
 
-def test_another_picture_is_a_failure(cli: Any, scene: Path, wrong_driver: Path) -> None:
-    env = {**os.environ, "LD_PRELOAD": str(wrong_driver)}
+def test_another_picture_is_a_failure(cli: Any, scene: Path, odd_driver: Path) -> None:
+    env = {**os.environ, "LD_PRELOAD": str(odd_driver)}
     done = cli("bench", scene, *FAST, "--work-groups", "2x2,4x4", "--csv", "a.csv", env=env)
     assert done.returncode == 1
     assert "the work group 2x2 makes another picture than the default" in done.stderr
@@ -287,6 +287,13 @@ def test_save_and_render(cli: Any, scene: Path, config: Path) -> None:
     assert stats["work_group_from"] == "tuned"
     info = json.loads(cli("info", scene, "--json").stdout)
     assert info["tuned"]["work_groups"] == {stats["device"]: stats["work_group"]}
+
+
+def test_a_size_that_is_surely_faster(cli: Any, scene: Path, config: Path, odd_driver: Path) -> None:
+    done = cli("bench", scene, *FAST, "--save", env={**os.environ, "LD_PRELOAD": str(odd_driver)})
+    assert "best: 16x4\n" in done.stdout
+    assert "2x2 makes another picture" in done.stderr
+    assert feeler.load(scene).render().stats["work_group"] == [16, 4]
 
 
 def test_the_best_is_kept_for_scenes_that_are_alike(cli: Any, tmp_path: Path, scene: Path, config: Path) -> None:
