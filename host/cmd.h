@@ -12,6 +12,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 /* Each is given its name as argv[0] and returns the program's exit code. */
 int cmd_render(int argc, char **argv);
 int cmd_info(int argc, char **argv);
+int cmd_bench(int argc, char **argv);
 int cmd_devices(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);
 
@@ -23,6 +24,8 @@ bool report_on_terminal(void);
 int report_error(const feeler_error *error);
 void report_failure(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void report_warning(const char *text);
+/* Warns of a file of work groups that cannot be used. */
+void report_tuned(void);
 /* Something the user should know that is neither a failure nor a warning. */
 void report_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* A wrong call of a command (NULL: of the program itself), with a pointer to its help. */

@@ -99,6 +99,7 @@ static int print_info(const char *path, const feeler_settings *settings, bool as
         return report_error(&error);
     for (int i = 0; (warning = feeler_scene_warning(scene, i)); i++)
         report_warning(warning);
+    report_tuned();
     char *text = feeler_scene_info_json(scene, settings, &error);
     feeler_scene_free(scene);
     if (!text)

@@ -233,6 +233,8 @@ int cmd_render(int argc, char **argv) {
     if (code != EXIT_DONE)
         return code;
 
+    if (!j.settings.work_group[0])
+        report_tuned();
     progress_catch_signals();
     code = render_all(&j, count, argv);
     feeler_device_close(j.device);

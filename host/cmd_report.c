@@ -53,6 +53,16 @@ void report_warning(const char *text) {
     fprintf(stderr, "warning: %s\n", text);
 }
 
+void report_tuned(void) {
+    feeler_error error = {0};
+    char text[sizeof error.source + sizeof error.text + 64];
+    if (feeler_tuned_check(&error) == 0)
+        return;
+    feeler_error_format(&error, text, sizeof text);
+    say_prefix(yellow);
+    fprintf(stderr, "warning: %s; the work groups that are kept there are not used\n", text);
+}
+
 void report_note(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

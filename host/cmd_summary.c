@@ -42,6 +42,8 @@ static void print_seconds(const json_t *stats) {
     const char *between = "";
     fputs("  seconds  ", stderr);
     json_object_foreach(seconds, key, value) {
+        if (json_is_null(value))
+            continue;
         fprintf(stderr, "%s%s %.3f", between, key, json_number_value(value));
         between = ", ";
     }
@@ -75,8 +77,9 @@ void summary_print(const char *scene_path, const char *out, const char *stats_js
     fprintf(stderr, "%s -> %s\n", scene_path, out);
     fprintf(stderr, "  picture  %dx%d, %d sample%s a pixel, %s\n", item(stats, "size", 0), item(stats, "size", 1),
             (int)whole_at(stats, "samples"), whole_at(stats, "samples") == 1 ? "" : "s", text_at(stats, "level"));
-    fprintf(stderr, "  device   %s, work group %dx%d, lanes %d\n", text_at(stats, "device"),
-            item(stats, "work_group", 0), item(stats, "work_group", 1), (int)whole_at(stats, "lanes"));
+    fprintf(stderr, "  device   %s, work group %dx%d (%s), lanes %d\n", text_at(stats, "device"),
+            item(stats, "work_group", 0), item(stats, "work_group", 1), text_at(stats, "work_group_from"),
+            (int)whole_at(stats, "lanes"));
     print_rays(stats);
     print_seconds(stats);
     print_truncation(stats);

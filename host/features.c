@@ -1,6 +1,8 @@
 /* features.c - what a scene needs of the kernels: what no object uses is not compiled. */
 #include "packed.h"
 
+#include <stdio.h>
+
 const char *const feature_names[FEATURE_COUNT] = {
     "sphere",
     "plane",
@@ -24,6 +26,14 @@ const char *const feature_names[FEATURE_COUNT] = {
     "filtered_shadows",
     "tree",
 };
+
+void features_text(uint32_t features, char *text, size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (int i = 0; i < FEATURE_COUNT; i++)
+        if (features >> i & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", feature_names[i]);
+}
 
 bool is_black(vec3 colour) {
     return colour.x == 0 && colour.y == 0 && colour.z == 0;

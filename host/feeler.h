@@ -94,12 +94,14 @@ typedef struct feeler_settings {
     int level;         /* FEELER_DRAFT, _STANDARD, _REFERENCE */
     int region[4];     /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
     int transparent;   /* 1: the background does not show, alpha is the coverage */
-    int work_group[2]; /* x, y; 0: chosen */
-    int pixels[2];     /* x, y: of a work-item, whose samples go side by side; at most `lanes`, powers of two; 0: 1 x 1 */
-    int lanes;         /* numbers side by side: 1, 2, 4, 8 or 16; 0: chosen */
-    int tile;          /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
-    int general;       /* 1: compile everything, not only what the scene needs (for tests) */
-    int brute_force;   /* 1: no tree (for tests) */
+    int work_group[2]; /* x, y; 0: the one that is kept for this device and kernel (see feeler_tuned_keep), or chosen */
+    int untuned;       /* 1: chosen without regard to what is kept */
+    int unguarded;     /* 1: no limit but the device's own on a given work group; the driver may crash the process */
+    int pixels[2];   /* x, y: of a work-item, whose samples go side by side; at most `lanes`, powers of two; 0: 1 x 1 */
+    int lanes;       /* numbers side by side: 1, 2, 4, 8 or 16; 0: chosen */
+    int tile;        /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
+    int general;     /* 1: compile everything, not only what the scene needs (for tests) */
+    int brute_force; /* 1: no tree (for tests) */
 } feeler_settings;
 
 FEELER_API void feeler_settings_default(feeler_settings *settings);
@@ -158,6 +160,17 @@ FEELER_API int feeler_image_save(feeler_image *image, const char *path, const fe
 /* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists, and what writes
  * pictures is installed), else -1: ask before rendering. */
 FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error);
+
+/* ---- work groups that were found best ---- */
+
+/* The file that keeps them: $FEELER_TUNED, else feeler/work-groups.yaml in $XDG_CONFIG_HOME or ~/.config. To be freed with
+ * feeler_free; NULL where there is none, such as with an empty FEELER_TUNED. */
+FEELER_API char *feeler_tuned_path(void);
+/* 0, or -1 and what is wrong with the file and where. Renders do not fail by it: they leave it alone. */
+FEELER_API int feeler_tuned_check(feeler_error *error);
+/* Keeps the work group of a render's statistics (feeler_image_stats_json) for its device, level, lanes and features. A
+ * file that is damaged is not replaced. */
+FEELER_API int feeler_tuned_keep(const char *stats_json, feeler_error *error);
 
 /* ---- looking inside ---- */
 

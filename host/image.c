@@ -59,21 +59,23 @@ static json_t *bound(double value) {
 /* How the picture was made. `o` hands a new reference over, so that a NULL in it makes the whole fail. */
 static json_t *describe_settings(const feeler_image *image) {
     const render_stats *s = &image->stats;
-    return json_pack("{s:s, s:s, s:[i,i], s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}", "version",
-                     feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1], "pixels",
-                     s->pixels[0], s->pixels[1], "lanes", s->lanes, "level", level_name(s->level), "size", s->width, s->height, "region", image->x0,
-                     image->y0, image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter",
-                     s->jitter, "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
+    return json_pack("{s:s, s:s, s:[i,i], s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}",
+                     "version", feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1],
+                     "work_group_from", s->work_group_from, "pixels", s->pixels[0], s->pixels[1], "lanes", s->lanes,
+                     "level", level_name(s->level), "size", s->width, s->height, "region", image->x0, image->y0,
+                     image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter", s->jitter,
+                     "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
 }
 
 /* What it took. */
 static json_t *describe_work(const render_stats *s) {
-    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I}, s:{s:f, s:f, s:f, s:f, s:f, s:f}, s:i, s:{s:f, s:f}, s:o}", "rays",
-                     "eye", (json_int_t)s->eye, "eye_hits", (json_int_t)s->eye_hits, "reflection",
+    json_t *kernel = s->kernel < 0 ? json_null() : json_real(s->kernel);
+    return json_pack("{s:{s:I, s:I, s:I, s:I, s:I}, s:{s:f, s:f, s:f, s:f, s:o, s:f, s:f}, s:i, s:{s:f, s:f}, s:o}",
+                     "rays", "eye", (json_int_t)s->eye, "eye_hits", (json_int_t)s->eye_hits, "reflection",
                      (json_int_t)s->reflection, "transmission", (json_int_t)s->transmission, "shadow",
                      (json_int_t)s->shadow, "seconds", "load", s->load, "tree", s->tree, "compile", s->compile, "trace",
-                     s->trace, "write", s->write, "total", s->total, "deepest_level", s->deepest, "discarded_weight",
-                     "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound",
+                     s->trace, "kernel", kernel, "write", s->write, "total", s->total, "deepest_level", s->deepest,
+                     "discarded_weight", "max", s->discarded_max, "mean", s->discarded_mean, "truncation_bound",
                      bound(s->truncation_bound));
 }
 

@@ -10,11 +10,13 @@
 typedef struct render_stats {
     uint64_t eye, eye_hits, reflection, transmission, shadow; /* rays sent, by kind */
     int deepest;                                              /* deepest level reached, the eye ray's being 1 */
-    double load, tree, compile, trace, write, total;          /* seconds */
+    double load, tree, compile, trace, write, total;          /* seconds of the wall clock */
+    double kernel;                                            /* seconds on the device; -1: the queue does not tell */
     double discarded_max, discarded_mean;                     /* weight of rays not sent, per pixel and channel */
     double truncation_bound; /* greatest error by truncation, per channel; infinite: unbounded */
     char device[256];
     int work_group[2], pixels[2];
+    const char *work_group_from; /* "given", "forced", "tuned" or "chosen"; static */
     int level, lanes;
     int width, height; /* of the whole picture */
     int samples, depth;

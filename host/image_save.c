@@ -1,14 +1,10 @@
 /* image_save.c - writes a picture under its final name only when the whole of it is on the disk. */
-#define _XOPEN_SOURCE 700 /* realpath */
-
 #include "clock.h"
 #include "image.h"
+#include "replacement.h"
 #include "scene.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -101,62 +97,15 @@ int feeler_image_can_save(const char *path, const feeler_save_options *options, 
     return image_io_ready(path, error);
 }
 
-/* A new, empty file in the folder of `path`, with the mode of the file that it will replace, else that of the umask.
- * Fills `name`; returns its descriptor or -1. */
-static int open_temporary(const char *path, char name[PATH_MAX], feeler_error *error) {
-    struct stat old;
-    const char *slash = strrchr(path, '/');
-    int folder_length = slash ? (int)(slash - path + 1) : 0;
-    for (int attempt = 0; attempt < 1000; attempt++) {
-        int n = snprintf(name, PATH_MAX, "%.*s.feeler-%ld-%d.tmp", folder_length, path, (long)getpid(), attempt);
-        if (n < 0 || n >= PATH_MAX)
-            return fail(error, FEELER_IO, "%s: the name is too long", path);
-        int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0) {
-            /* Where the mode cannot be kept, the umask's is good enough. */
-            if (stat(path, &old) == 0)
-                (void)fchmod(file, old.st_mode & 0777);
-            return file;
-        }
-        if (errno != EEXIST)
-            break;
-    }
-    return fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
-}
-
-static int write_and_rename(const feeler_image *image, const char *path, const feeler_save_options *options,
-                            feeler_error *error) {
-    char temporary[PATH_MAX];
-    int file = open_temporary(path, temporary, error);
-    if (file < 0)
-        return -1;
-
-    int result = image_io_write(image, temporary, path, options, error);
-    if (result == 0 && fsync(file))
-        result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (close(file) && result == 0)
-        result = fail(error, FEELER_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (result == 0 && rename(temporary, path))
-        result = fail(error, FEELER_IO, "%s: cannot rename: %s", path, strerror(errno));
-    if (result)
-        (void)unlink(temporary);
-    return result;
-}
-
 int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error) {
     static const feeler_save_options plain;
-    struct stat info;
+    replacement file;
     if (!options)
         options = &plain;
     double start = seconds_now();
-    if (feeler_image_can_save(path, options, error))
+    if (feeler_image_can_save(path, options, error) || replacement_open(&file, path, error))
         return -1;
-
-    /* A link stays a link: what it leads to is replaced. */
-    char *target = lstat(path, &info) == 0 && S_ISLNK(info.st_mode) ? realpath(path, NULL) : NULL;
-    int result = write_and_rename(image, target ? target : path, options, error);
-    free(target);
-    if (result)
+    if (replacement_close(&file, image_io_write(image, file.temporary, path, options, error), error))
         return -1;
     double seconds = seconds_now() - start;
     image->stats.write += seconds;

@@ -3,9 +3,9 @@
 #define FEELER_JOB_H
 
 #include "image.h"
-#include "program.h"
 #include "tiles.h"
 #include "upload.h"
+#include "work_group.h"
 
 /* A launch's results, on the device and here. Two take turns, so that the device never waits for the host. */
 typedef struct slot {
@@ -27,6 +27,7 @@ typedef struct job {
     slot slots[2];
     size_t slot_pixels; /* room in a slot */
     int group[2];
+    group_origin group_from;
     tiles tiles;
     feeler_image *image;
     double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */

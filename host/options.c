@@ -64,10 +64,11 @@ const char *options_nearest(const char *typed, const char *const *words) {
 static void print_row(const option *o) {
     char left[80];
     const char *value = o->value && o->kind != OPTION_FLAG ? o->value : "";
+    const char *more = o->kind == OPTION_LIST ? ",..." : "";
     if (o->letter)
-        snprintf(left, sizeof left, "-%c, --%s%s%s", o->letter, o->name, *value ? " " : "", value);
+        snprintf(left, sizeof left, "-%c, --%s%s%s%s", o->letter, o->name, *value ? " " : "", value, more);
     else
-        snprintf(left, sizeof left, "    --%s%s%s", o->name, *value ? " " : "", value);
+        snprintf(left, sizeof left, "    --%s%s%s%s", o->name, *value ? " " : "", value, more);
     /* A long left side gets a line of its own. */
     if (strlen(left) > 24)
         printf("  %s\n  %-24s  %s", left, "", o->text);
@@ -160,6 +161,37 @@ static bool read_choice(const char *text, const option *o) {
     return false;
 }
 
+static bool read_value(const char *text, const option *o);
+
+void options_list_free(option_list *list) {
+    free(list->numbers);
+    free(list->texts);
+    free(list->copy);
+}
+
+static bool read_list(const char *text, const option *o) {
+    option_list *list = o->target, read = {.kind = list->kind, .copy = strdup(text)};
+    size_t most = strlen(text) + 1; /* values, with room to spare */
+    read.numbers = malloc(2 * most * sizeof *read.numbers);
+    read.texts = malloc(most * sizeof *read.texts);
+    bool good = read.copy && read.numbers && read.texts;
+    for (char *at = read.copy, *next; good && at; at = next, read.count++) {
+        next = strchr(at, ',');
+        if (next)
+            *next++ = '\0';
+        option one = *o;
+        one.kind = list->kind;
+        one.target = &read.numbers[read.count * (list->kind == OPTION_SIZE ? 2 : 1)];
+        if (list->kind == OPTION_TEXT)
+            one.target = &read.texts[read.count];
+        good = read_value(at, &one);
+    }
+    options_list_free(good ? list : &read);
+    if (good)
+        *list = read;
+    return good;
+}
+
 static bool read_value(const char *text, const option *o) {
     double number;
     int whole;
@@ -183,6 +215,8 @@ static bool read_value(const char *text, const option *o) {
         return read_region(text, o);
     case OPTION_CHOICE:
         return read_choice(text, o);
+    case OPTION_LIST:
+        return read_list(text, o);
     case OPTION_FLAG:
     case OPTION_HELP:
         break;
@@ -192,20 +226,22 @@ static bool read_value(const char *text, const option *o) {
 
 static void say_bad_value(const command *c, const option *o, const char *text) {
     char range[80] = "";
-    if (o->kind == OPTION_WHOLE || o->kind == OPTION_SIZE) {
-        const char *what = o->kind == OPTION_SIZE ? ", whole numbers" : "a whole number";
+    const bool list = o->kind == OPTION_LIST;
+    const option_kind kind = list ? ((const option_list *)o->target)->kind : o->kind;
+    if (kind == OPTION_WHOLE || kind == OPTION_SIZE) {
+        const char *what = kind == OPTION_SIZE ? ", whole numbers" : "a whole number";
         if (o->high < INT_MAX)
             snprintf(range, sizeof range, "%s from %g to %g", what, o->low, o->high);
         else
             snprintf(range, sizeof range, "%s from %g", what, o->low);
-    } else if (o->kind == OPTION_NUMBER) {
+    } else if (kind == OPTION_NUMBER) {
         snprintf(range, sizeof range, "a number from %g to %g", o->low, o->high);
-    } else if (o->kind == OPTION_REGION) {
+    } else if (kind == OPTION_REGION) {
         snprintf(range, sizeof range, ", whole pixels, X0 < X1 and Y0 < Y1");
     }
-    bool form =
-        o->kind == OPTION_SIZE || o->kind == OPTION_REGION || o->kind == OPTION_CHOICE || o->kind == OPTION_TEXT;
-    report_usage(c->name, "--%s: '%s' is wrong; it takes %s%s", o->name, text, form ? o->value : "", range);
+    bool form = kind == OPTION_SIZE || kind == OPTION_REGION || kind == OPTION_CHOICE || kind == OPTION_TEXT;
+    report_usage(c->name, "--%s: '%s' is wrong; it takes %s%s%s", o->name, text, form ? o->value : "", range,
+                 list ? "; several have commas between them" : "");
 }
 
 /* ---- parsing ---- */

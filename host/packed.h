@@ -62,6 +62,9 @@ typedef enum feature {
 extern const char *const feature_names[FEATURE_COUNT];
 extern const uint32_t all_features;
 
+/* Their names with a space between, in this order; `size` has room for all. */
+void features_text(uint32_t features, char *text, size_t size);
+
 /* What a kernel is built for. */
 typedef struct needs {
     uint32_t features; /* bit i: feature i */

@@ -186,36 +186,3 @@ void program_free(program *p) {
         clReleaseProgram(p->program);
     memset(p, 0, sizeof *p);
 }
-
-/* A CPU driver keeps the stacks of a whole group on one thread's stack: past about 8 MiB the process would crash. */
-enum { CACHE_BYTES = 256 * 1024, MOST_STACK_BYTES = 4 * 1024 * 1024 };
-
-int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *s, needs n,
-                      int group[2], feeler_error *error) {
-    size_t bytes = work_item_bytes(s, n), most = 0;
-    cl_int status =
-        clGetKernelWorkGroupInfo(program->render, device->id, CL_KERNEL_WORK_GROUP_SIZE, sizeof most, &most, NULL);
-    if (status != CL_SUCCESS)
-        return fail_cl(error, "clGetKernelWorkGroupInfo", status);
-    if (most > device->max_work_group)
-        most = device->max_work_group;
-    group[0] = s->work_group[0];
-    group[1] = s->work_group[1];
-    if (group[0] == 0) {
-        group[0] = group[1] = 8;
-        while (group[0] * group[1] > 1 && ((device->is_cpu && (size_t)(group[0] * group[1]) * bytes > CACHE_BYTES) ||
-                                           (size_t)(group[0] * group[1]) > most))
-            group[group[0] > group[1] ? 0 : 1] /= 2;
-        return 0;
-    }
-    size_t items = (size_t)group[0] * (size_t)group[1];
-    if (items > most)
-        return fail(error, FEELER_BAD_USAGE,
-                    "a work group of %d x %d: '%s' takes at most %zu work-items of this kernel", group[0], group[1],
-                    device->name, most);
-    if (device->is_cpu && items * bytes > MOST_STACK_BYTES)
-        return fail(error, FEELER_BAD_USAGE,
-                    "a work group of %d x %d needs %zu KiB of a thread's stack here; at most %d are safe", group[0],
-                    group[1], items * bytes / 1024, MOST_STACK_BYTES / 1024);
-    return 0;
-}

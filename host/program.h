@@ -25,8 +25,4 @@ void program_free(program *program);
 /* About how much of a CPU thread's stack one work-item takes, in bytes. */
 size_t work_item_bytes(const feeler_settings *resolved, needs needs);
 
-/* The work group to use: the one asked for, if device and kernel can, else one whose stacks stay near the cache. */
-int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *resolved, needs needs,
-                      int work_group[2], feeler_error *error);
-
 #endif

@@ -93,18 +93,17 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     const size_t count = tile_pixels(&s->tile);
     /* A launch waits for the one before it: only then does its own time begin. */
     const double now = seconds_now(), wall = now - fmax(s->start, j->taken);
-    double seconds = launch_seconds(s);
+    const double kernel = launch_seconds(s), known = kernel < 0 ? wall : kernel;
     j->taken = now;
-    if (seconds < 0)
-        seconds = wall;
     /* A driver may compile for this group size at the first launch. */
     if (first)
-        j->image->stats.compile += fmax(0, wall - seconds);
-    j->image->stats.trace += seconds;
+        j->image->stats.compile += fmax(0, wall - known);
+    j->image->stats.trace += first ? known : wall;
+    j->image->stats.kernel = kernel < 0 ? -1 : j->image->stats.kernel + kernel;
     copy_pixels(j, s);
     add_tallies(j, s, count);
     add_discarded(j, s, count);
-    adapt_budget(j, seconds, count);
+    adapt_budget(j, known, count);
     j->done += count;
     clReleaseEvent(s->read);
     clReleaseEvent(s->launched);
@@ -163,7 +162,7 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     char *options = program_options(s, j->needs, error);
     int status = options ? program_build(&j->program, j->device, options, error) : -1;
     free(options);
-    if (status < 0 || choose_work_group(j->device, &j->program, s, j->needs, j->group, error) < 0)
+    if (status < 0 || choose_work_group(j->device, &j->program, s, j->needs, j->group, &j->group_from, error) < 0)
         return -1;
     j->slot_pixels = slot_room(j);
     for (int i = 0; i < 2; i++)
@@ -172,14 +171,6 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     tiles_start(&j->tiles, s->region, j->group, first_budget(j));
     bool transmits = j->needs.features >> FEATURE_TRANSMISSION & 1;
     return transmits ? find_eye_media(j, error) : 0;
-}
-
-static void list_features(uint32_t features, char *text, size_t size) {
-    size_t used = 0;
-    text[0] = '\0';
-    for (int i = 0; i < FEATURE_COUNT; i++)
-        if (features >> i & 1)
-            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "", feature_names[i]);
 }
 
 static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_error *error) {
@@ -198,6 +189,7 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     snprintf(stats->device, sizeof stats->device, "%s", j->device->name);
     memcpy(stats->work_group, j->group, sizeof j->group);
     memcpy(stats->pixels, j->settings.pixels, sizeof stats->pixels);
+    stats->work_group_from = group_origin_names[j->group_from];
     stats->level = j->settings.level;
     stats->lanes = j->settings.lanes;
     stats->width = j->settings.width;
@@ -206,7 +198,7 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     stats->depth = j->settings.depth;
     stats->jitter = j->settings.jitter;
     stats->cutoff = j->settings.cutoff;
-    list_features(j->needs.features, stats->features, sizeof stats->features);
+    features_text(j->needs.features, stats->features, sizeof stats->features);
     return 0;
 }
 

@@ -295,9 +295,9 @@ static int reserve(array *a, size_t count, feeler_error *error) {
 /* Fields that all bounded primitives together have; each is alone in its block at worst. */
 static size_t count_fields(const packed *p) {
     const array *a = p->arrays;
-    return a[ARRAY_SPHERES].count * ROWS_SPHERE + a[ARRAY_DISCS].count * ROWS_DISC +
-           a[ARRAY_BOXES].count * ROWS_BOX + a[ARRAY_TRIANGLES].count * ROWS_TRIANGLE +
-           a[ARRAY_POLYGONS].count * ROWS_POLYGON + a[ARRAY_CONES].count * ROWS_CONE;
+    return a[ARRAY_SPHERES].count * ROWS_SPHERE + a[ARRAY_DISCS].count * ROWS_DISC + a[ARRAY_BOXES].count * ROWS_BOX +
+           a[ARRAY_TRIANGLES].count * ROWS_TRIANGLE + a[ARRAY_POLYGONS].count * ROWS_POLYGON +
+           a[ARRAY_CONES].count * ROWS_CONE;
 }
 
 static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_error *error) {

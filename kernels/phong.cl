@@ -131,7 +131,8 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
 }
 
 // I_local of (16.20) at each active lane, 0 elsewhere.
-illumination illuminate_locally(const scene *s, const shade_point *p, vectors ambient_light, ints material, ints active) {
+illumination illuminate_locally(const scene *s, const shade_point *p, vectors ambient_light, ints material,
+                                ints active) {
     const coefficients c = find_coefficients(s, material);
     illumination sum;
     sum.feelers = whole(0);

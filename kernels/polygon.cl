@@ -8,9 +8,9 @@ uint corners_row(uint count) {
 // The corners k, k + 1, ..., or corner k for every ray, sheared.
 INLINE vectors shear_corners(ray r, global const real *rows, uint length, uint k, bool together) {
     rows += k;
-    return apply_shear(r, together ? make_vectors(load_row(rows, 0), load_row(rows + length, 0),
-                                                  load_row(rows + 2 * length, 0))
-                                   : make_vectors(splat(rows[0]), splat(rows[length]), splat(rows[2 * length])));
+    return apply_shear(
+        r, together ? make_vectors(load_row(rows, 0), load_row(rows + length, 0), load_row(rows + 2 * length, 0))
+                    : make_vectors(splat(rows[0]), splat(rows[length]), splat(rows[2 * length])));
 }
 
 // Whether the sheared edge crosses the half line from (0, 0) along x, decided by the exact sign of a difference of products

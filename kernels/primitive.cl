@@ -11,7 +11,7 @@ typedef struct {
     global const real4 *normals;
     global const polygon *polygons;
     global const uint4 *polygon_ranges; // first row, number of corners
-    global const real *corners; // rows of WIDTH
+    global const real *corners;         // rows of WIDTH
     global const cone *cones;
     global const node *nodes;
     global const uint2 *links;
@@ -147,7 +147,8 @@ surface find_surface(const scene *s, const ray *r, const hit *h, ints active, co
 #if HAS_TRIANGLE
     m = LANES_OF(KIND_TRIANGLE);
     if (any_ray(m))
-        f = choose_surface(m, surface_of_triangles(s, h, INDEX_OF(m), m & ((id->flags & (integer)FLAG_SMOOTH) != 0)), f);
+        f = choose_surface(m, surface_of_triangles(s, h, INDEX_OF(m), m & ((id->flags & (integer)FLAG_SMOOTH) != 0)),
+                           f);
 #endif
 #if HAS_POLYGON
     m = LANES_OF(KIND_POLYGON);

@@ -171,8 +171,8 @@ INLINE shares find_shares(const scene *s, const shade_point *q, const encounter 
 }
 
 // The packet that goes on with the given shares; what the depth or the cutoff forbids is added to `sum->discarded`.
-INLINE packet send_on(const packet *p, vectors origin, vectors share, vectors direction, ints active, real cutoff, uint depth,
-               tree_sum *sum) {
+INLINE packet send_on(const packet *p, vectors origin, vectors share, vectors direction, ints active, real cutoff,
+                      uint depth, tree_sum *sum) {
     packet next = *p;
     next.weight = mul(p->weight, share);
     next.direction = direction;
@@ -190,8 +190,8 @@ typedef struct {
     packet reflected, transmitted;
 } children;
 
-INLINE children send_children(const scene *s, const packet *p, const encounter *e, const shade_point *q, ints found, real cutoff, uint depth,
-                       tree_sum *sum) {
+INLINE children send_children(const scene *s, const packet *p, const encounter *e, const shade_point *q, ints found,
+                              real cutoff, uint depth, tree_sum *sum) {
     children c;
     c.reflected = c.transmitted = *p;
     c.reflected.active = c.transmitted.active = mask(false);

@@ -126,7 +126,8 @@ typedef struct {
 } beam;
 
 void set_beam_axis(beam *b, int axis, reals origin, reals inverse, ints active) {
-    const real low = least_lane(active ? origin : splat(INFINITY)), high = greatest_lane(active ? origin : splat(-INFINITY));
+    const real low = least_lane(active ? origin : splat(INFINITY)),
+               high = greatest_lane(active ? origin : splat(-INFINITY));
     const real least = least_lane(active ? inverse : splat(INFINITY)),
                greatest = greatest_lane(active ? inverse : splat(-INFINITY));
     b->backwards[axis] = greatest < R(0);
@@ -232,9 +233,9 @@ NOINLINE hit traverse_many(const scene *s, const ray *r, ints active, hit best, 
                     const uint k = chunk + lowest_bit(bits);
                     const interval i = intersect_bounds(
                         *r, make_vectors(splat(rows[k]), splat(rows[WIDTH + k]), splat(rows[2 * WIDTH + k])),
-                        make_vectors(splat(rows[3 * WIDTH + k]), splat(rows[4 * WIDTH + k]), splat(rows[5 * WIDTH + k])));
-                    const ints met =
-                        wanted & (i.near <= i.far) & (i.far >= r->least) & (i.near <= best.distance);
+                        make_vectors(splat(rows[3 * WIDTH + k]), splat(rows[4 * WIDTH + k]),
+                                     splat(rows[5 * WIDTH + k])));
+                    const ints met = wanted & (i.near <= i.far) & (i.far >= r->least) & (i.near <= best.distance);
                     const errand e = {s->links[here.x * WIDTH + k], least_lane(met ? i.near : splat(INFINITY)),
                                       lane_bits(met)};
                     if (e.lanes != 0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("FEELER_LIBRARY", ROOT / "build"))
+
+# What a user keeps (`feeler bench --save`) must not change a test: an empty folder of configuration.
+os.environ["XDG_CONFIG_HOME"] = tempfile.mkdtemp(prefix="feeler-config-")
+os.environ.pop("FEELER_TUNED", None)
 
 # A kernel's first compilation takes seconds, and a failing example must be found again: no deadline, no chance.
 hypothesis.settings.register_profile("feeler", deadline=None, derandomize=True, max_examples=50, database=None)

@@ -37,7 +37,7 @@ def test_a_render_says_what_it_took(cli: Any, scene: Path) -> None:
 
 STATS_KEYS = {
     "rays": {"eye", "eye_hits", "reflection", "transmission", "shadow"},
-    "seconds": {"load", "tree", "compile", "trace", "write", "total"},
+    "seconds": {"load", "tree", "compile", "trace", "kernel", "write", "total"},
     "discarded_weight": {"max", "mean"},
 }
 
@@ -66,6 +66,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
         *STATS_KEYS,
         "device",
         "work_group",
+        "work_group_from",
         "level",
         "features",
         "size",
@@ -84,6 +85,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
     assert stats["size"] == [40, 30]
     assert stats["region"] == [8, 4, 24, 20]
     assert stats["work_group"] == [4, 2]
+    assert stats["work_group_from"] == "given"
     assert stats["samples"] == 4
     assert stats["jitter"] == 0.5
     assert stats["depth"] == 3
@@ -93,7 +95,8 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
     assert stats["rays"]["eye"] == 16 * 16 * 4
     assert 0 < stats["rays"]["eye_hits"] <= stats["rays"]["eye"]
     assert stats["seconds"]["write"] > 0
-    assert stats["seconds"]["total"] >= stats["seconds"]["trace"] > 0
+    seconds = stats["seconds"]
+    assert seconds["total"] >= seconds["trace"] >= seconds["kernel"] > 0
     assert stats["truncation_bound"] == "unbounded" or stats["truncation_bound"] >= 0
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import threading
+import warnings
 from typing import Any
 
 from ._library import DEVICE, Error, call, ffi, lib, take_json, take_text, to_bytes, to_string
@@ -97,6 +98,14 @@ def make_settings(
     settings.level = LEVELS.index(level)
     settings.transparent, settings.general, settings.brute_force = bool(alpha), bool(general), bool(brute_force)
     return settings
+
+
+def warn_of_tuned() -> None:
+    """Warns of a file of work groups (see `feeler bench --save`) that cannot be used."""
+    try:
+        call(lib.feeler_tuned_check)
+    except Error as error:
+        warnings.warn(f"{error}; the work groups that are kept there are not used", RuntimeWarning, stacklevel=3)
 
 
 def _whole(name: str, values: Any, count: int) -> list[int]:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ._device import kernel_options, make_settings, open_device
+from ._device import kernel_options, make_settings, open_device, warn_of_tuned
 from ._library import INTERRUPTED, call, check, ffi, lib, new_error, take_json, to_bytes, to_string
 from ._nodes import build_node
 from .image import Image
@@ -106,7 +106,8 @@ class Scene:
             alpha: True leaves the background out of the colour; the alpha is then the coverage.
             queue: a pyopencl.CommandQueue to render on.
             device: a number in `feeler.devices()` or part of a device's name, instead of a queue.
-            work_group: x, y. Like pixels, lanes and tile it never changes the picture.
+            work_group: x, y; by default the one that `feeler bench --save` keeps for this device and kernel, if any.
+                Like pixels, lanes and tile it never changes the picture.
             pixels: x, y: of a work-item, 1 x 1 by default; powers of two, together at most as many as lanes.
             lanes: samples that are traced side by side: 1, 2, 4, 8 or 16.
             tile: pixels per launch.
@@ -119,6 +120,8 @@ class Scene:
             size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
             alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general, brute_force=brute_force,
         )  # fmt: skip
+        if work_group is None:
+            warn_of_tuned()
         opened = open_device(device, queue)
         with _Reporter(progress) as reporter, self._lock, opened.lock:
             error = new_error()

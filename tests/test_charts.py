@@ -1,0 +1,144 @@
+"""Charts of work groups: what is drawn, that it can be read without colours, and bad input."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from spheres import write_spheres
+
+import feeler
+
+charts = pytest.importorskip("feeler.charts", reason="needs matplotlib")
+
+
+def result(x: int, y: int, *times: float, invalidity: str = "correct", mark: str = "", **other: Any) -> dict[str, Any]:
+    """One result of a sweep; times in milliseconds."""
+    settings = {"scene": "balls.nff", "device": "d", "level": "standard", "samples": 4, "width": 8, "height": 6}
+    return {
+        "configuration": {"work_group_x": x, "work_group_y": y, **settings, **other},
+        "times": {"compilation_time": 3.0, "runtimes": list(times)},
+        "invalidity": invalidity,
+        "measurements": [{"name": mark, "value": 1, "unit": ""}] if mark else [],
+    }
+
+
+SWEEP = {
+    "schema_version": "1.0.0",
+    "results": [
+        result(8, 8, 21, 20, 24, mark="default"),
+        result(1, 1, 40, 41, 43),
+        result(16, 4, 10, 11, 10.5),
+        result(32, 32, 9, 9, 9, mark="forced"),
+        result(64, 64, invalidity="runtime"),
+        result(3, 99, invalidity="constraints"),
+    ],
+}
+
+
+def texts(axes: Any) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def test_bars() -> None:
+    """Heights are medians, lines reach from the least to the greatest, numbers stand beside."""
+    bars = charts.work_groups(SWEEP).axes[0]
+    ticks = [label.get_text() for label in bars.get_xticklabels()]
+    assert ticks == ["1×1", "8×8", "16×4", "3×99", "32×32", "64×64"]
+    assert [bar.get_height() for bar in bars.patches] == [41, 21, 10.5, 9]
+    spreads = [line.get_segments()[0][:, 1].tolist() for line in bars.collections]
+    assert spreads == [[40, 43], [20, 24], [10, 11], [9, 9]]
+    assert texts(bars) == ["41", "21", "10.5", "invalid", "9", "crashed"]
+    assert [text.get_text() for text in bars.texts if text.get_fontweight() == "bold"] == ["10.5"]
+    assert [bool(bar.get_hatch()) for bar in bars.patches] == [False, True, False, True]
+    assert "balls, 8×6, 4 samples, standard" in bars.get_title()
+
+
+def test_map() -> None:
+    """Cells stand at their sizes and hold the time relative to the default's; the slower the darker."""
+    cells = charts.work_groups(SWEEP).axes[1]
+    columns = [int(label.get_text()) for label in cells.get_xticklabels()]
+    rows = [int(label.get_text()) for label in cells.get_yticklabels()]
+    found = {(columns[int(t.get_position()[0])], rows[int(t.get_position()[1])]): t.get_text() for t in cells.texts}
+    assert found == {
+        (1, 1): f"{41 / 21:.2f}", (8, 8): "1.00\ndefault", (16, 4): "0.50", (32, 32): f"{9 / 21:.2f}\nrefused",
+        (64, 64): "crashed", (3, 99): "invalid",
+    }  # fmt: skip
+    shades = {
+        text.split("\n")[0]: patch.get_facecolor()[0] for text, patch in zip(found.values(), cells.patches, strict=True)
+    }
+    assert shades["1.95"] < shades["1.00"] < shades["0.50"] < shades["crashed"] == 1
+
+
+def test_several_results_stand_side_by_side() -> None:
+    other = {
+        **SWEEP,
+        "results": [{**result(4, 4, 5), "configuration": {**result(4, 4)["configuration"], "device": "e"}}],
+    }
+    figure = charts.work_groups([SWEEP, other])
+    assert len(figure.axes) == 4
+    titles = [axes.get_title().split("\n")[1] for axes in figure.axes[:2]]
+    assert titles == ["d", "e"]
+    both = {"results": SWEEP["results"] + other["results"]}
+    assert len(charts.work_groups(both).axes) == 4, "the cases of one file, too"
+
+
+def test_files(tmp_path: Path) -> None:
+    import matplotlib.image
+
+    figure = charts.work_groups(SWEEP, save=tmp_path / "chart.v1")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["chart.v1.png", "chart.v1.svg"]
+    pixels = matplotlib.image.imread(tmp_path / "chart.v1.png")
+    width, height = (round(110 * inches) for inches in figure.get_size_inches())
+    assert pixels.shape[:2] == (height, width)
+    assert np.ptp(pixels[..., :3], axis=-1).max() == 0, "no colours, so none that are needed"
+    assert pixels[..., :3].min() == 0
+    svg = ET.parse(tmp_path / "chart.v1.svg").getroot()
+    assert svg.tag == "{http://www.w3.org/2000/svg}svg"
+    assert svg.get("width") == f"{72 * width / 110:g}pt"
+    written = {"".join(text.itertext()).strip() for text in svg.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"10.5", "crashed", "16×4", "render's default"} <= written
+    first = (tmp_path / "chart.v1.svg").read_bytes()
+    charts.work_groups(SWEEP, save=tmp_path / "chart.v1")
+    assert (tmp_path / "chart.v1.svg").read_bytes() == first, "the same results make the same file"
+
+
+def test_what_bench_writes(cli: Any, tmp_path: Path) -> None:
+    scene = write_spheres(tmp_path / "spheres.nff", (32, 24))
+    done = cli("bench", scene, "--repeat", "2", "--work-groups", "2x2,100000x1", "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    figure = charts.work_groups(str(tmp_path / "a.json"), save=tmp_path / "a.png")
+    assert [label.get_text() for label in figure.axes[0].get_xticklabels()] == ["2×2", "8×8", "100000×1"]
+    assert (tmp_path / "a.svg").is_file()
+
+
+def test_nothing_that_ran() -> None:
+    figure = charts.work_groups({"results": [result(1, 1, invalidity="timeout")]})
+    assert texts(figure.axes[0]) == ["too slow"]
+
+
+BAD = {
+    "no JSON": "{",
+    "no results": "{}",
+    "a list": "[]",
+    "no configuration": json.dumps({"results": [{"times": {}}]}),
+    "no sizes": json.dumps({"results": [{"configuration": {}, "times": {"runtimes": []}, "invalidity": "correct"}]}),
+    "empty": json.dumps({"results": []}),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_results(tmp_path: Path, case: str) -> None:
+    (tmp_path / "a.json").write_text(BAD[case])
+    with pytest.raises(feeler.Error) as caught:
+        charts.work_groups(tmp_path / "a.json")
+    assert caught.value.kind == "bad input"
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(feeler.Error, match=r"a\.json: cannot be read"):
+        charts.work_groups(tmp_path / "a.json")
