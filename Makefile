@@ -154,6 +154,20 @@ $(BUILD)/scenes/%.yaml: scenes/generate_%.py | $(BUILD)/scenes
 $(BUILD)/gallery $(BUILD)/scenes:
 	mkdir -p $@
 
+# Work groups on PoCL and on Intel's runtime, which is some 800 MB; docs/performance.md shows the charts.
+INTEL := $(BUILD)/intel
+CHARTED := scenes/first.yaml $(BUILD)/scenes/sphereflake.yaml
+
+.PHONY: chart-work-groups
+chart-work-groups: ready ## measure work groups on two OpenCL runtimes and draw them for docs/performance.md
+	@$(MAKE) --no-print-directory $(INTEL)/ready $(CHARTED)
+	$(VENV)/bin/python docs/chart_work_groups.py $(BUILD)/feeler $(BUILD)/charts $(INTEL) $(CHARTED)
+	cp $(BUILD)/charts/work-groups-*.png docs
+
+$(INTEL)/ready: | $(BUILD)
+	$(VENV)/bin/pip install -q --disable-pip-version-check --ignore-installed --prefix $(INTEL) intel-opencl-rt intel-cmplr-lib-rt
+	touch $@
+
 .PHONY: install uninstall
 INTO = $(DESTDIR)$(PREFIX)
 install: all ## install under PREFIX (/usr/local), below DESTDIR
