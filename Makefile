@@ -76,7 +76,7 @@ $(BUILD):
 
 # What only the checks need, and what only the comparison with other renderers, once.
 LINT_PACKAGES := clang clang-format libclang-rt-14-dev oclgrind valgrind
-PEER_PACKAGES := povray
+PEER_PACKAGES := povray libembree-dev
 VENV := .venv
 SUDO = $(if $(filter 0,$(shell id -u)),,sudo )
 
@@ -154,6 +154,20 @@ $(BUILD)/scenes/%.yaml: scenes/generate_%.py | $(BUILD)/scenes
 $(BUILD)/gallery $(BUILD)/scenes:
 	mkdir -p $@
 
+# Work groups on PoCL and on Intel's runtime, which is some 800 MB; docs/performance.md shows the charts.
+INTEL := $(BUILD)/intel
+CHARTED := scenes/first.yaml $(BUILD)/scenes/sphereflake.yaml
+
+.PHONY: chart-work-groups
+chart-work-groups: ready ## measure work groups on two OpenCL runtimes and draw them for docs/performance.md
+	@$(MAKE) --no-print-directory $(INTEL)/ready $(CHARTED)
+	$(VENV)/bin/python docs/chart_work_groups.py $(BUILD)/feeler $(BUILD)/charts $(INTEL) $(CHARTED)
+	cp $(BUILD)/charts/work-groups-*.png docs
+
+$(INTEL)/ready: | $(BUILD)
+	$(VENV)/bin/pip install -q --disable-pip-version-check --ignore-installed --prefix $(INTEL) intel-opencl-rt intel-cmplr-lib-rt
+	touch $@
+
 .PHONY: install uninstall
 INTO = $(DESTDIR)$(PREFIX)
 install: all ## install under PREFIX (/usr/local), below DESTDIR
@@ -179,13 +193,27 @@ test: ready ## set up, build and test (ARGS= goes to pytest)
 test-long: ready ## the tests that take minutes
 	$(VENV)/bin/pytest -q -m slow $(ARGS)
 
-test-peers: ready ## compare with other renderers; the difference images are in build/peers
-	@$(call install_missing,$(PEER_PACKAGES)) || echo 'what is missing of $(PEER_PACKAGES) cannot be installed: its tests skip'
+test-peers: peers ## compare with other renderers; the difference images are in build/peers
 	$(VENV)/bin/pytest -q -rs -m peers $(ARGS)
+
+# A tracer of our own on Embree, to be measured beside us: as fast as Embree allows. Embree 4 where there is one.
+PEER_CXXFLAGS := -std=c++17 -O3 -march=native -ffast-math $(WARN) -Wno-psabi
+EMBREE = $(shell $(CXX) -E -x c++ -include embree4/rtcore.h /dev/null >/dev/null 2>&1 && echo embree4 || echo embree3)
+$(BUILD)/peers/embree_whitted: $(wildcard tests/peers/embree/*.[ch]pp)
+	mkdir -p $(@D)
+	$(CXX) $(PEER_CXXFLAGS) -o $@ $(filter %.cpp,$^) -l$(EMBREE) -lpthread
+
+.PHONY: peers bench
+peers: ready ## what we are compared with: installs POV-Ray, builds the tracer on Embree
+	@$(call install_missing,$(PEER_PACKAGES)) || echo 'what is missing of $(PEER_PACKAGES) cannot be installed: it is left out'
+	@$(MAKE) --no-print-directory $(BUILD)/peers/embree_whitted || echo 'without it'
+
+bench: peers ## measure beside Embree, POV-Ray and itself (ARGS='--quick' or '--row NAME'; growth takes long)
+	$(VENV)/bin/python tests/peers/bench.py $(ARGS)
 
 .PHONY: lint format check-exports
 lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's opinion
-	clang-format --dry-run -Werror host/*.[ch] host/*.cpp kernels/*
+	clang-format --dry-run -Werror host/*.[ch] host/*.cpp kernels/* tests/peers/embree/*
 	$(VENV)/bin/ruff check
 	$(VENV)/bin/ruff format --check
 	$(VENV)/bin/mypy
@@ -193,7 +221,7 @@ lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/clang CC=clang CXX=clang++ CFLAGS=-O1 all
 
 format: ## write every file as lint wants it
-	clang-format -i host/*.[ch] host/*.cpp kernels/*
+	clang-format -i host/*.[ch] host/*.cpp kernels/* tests/peers/embree/*
 	$(VENV)/bin/ruff check --fix
 	$(VENV)/bin/ruff format
 

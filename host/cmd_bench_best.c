@@ -70,8 +70,8 @@ static int keep_run(const char *scene, const run *r) {
     else
         code = EXIT_DONE;
     if (code == EXIT_DONE)
-        report_note("kept in %s: %dx%d for scenes like %s at level %s with %d lanes, on %s", path, r->size[0],
-                    r->size[1], scene, json_string_value(json_object_get(r->stats, "level")),
+        report_note("kept in %s: %dx%d for scenes like %s, %s, lanes %d, on %s", path, r->size[0], r->size[1], scene,
+                    json_string_value(json_object_get(r->stats, "level")),
                     (int)json_integer_value(json_object_get(r->stats, "lanes")),
                     json_string_value(json_object_get(r->stats, "device")));
     free(text);
