@@ -76,7 +76,7 @@ typedef JOIN(int, LANES) ints;
 
 // Bit k is set where the mask's lane k is true. One instruction where the compiler has it.
 uint lane_bits(ints m) {
-#if LANES == 16 && defined(__AVX512DQ__)
+#if LANES == 16 && !defined(DOUBLE) && defined(__AVX512DQ__)
     return (ushort)__builtin_ia32_cvtd2mask512(m);
 #elif LANES == 8 && !defined(DOUBLE) && defined(__AVX__)
     return (uchar)__builtin_ia32_movmskps256(as_float8(m));
