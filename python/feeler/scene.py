@@ -118,7 +118,8 @@ class Scene:
         """
         settings = make_settings(
             size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
-            alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general, brute_force=brute_force,
+            alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general,
+            brute_force=brute_force,
         )  # fmt: skip
         if work_group is None:
             warn_of_tuned()
