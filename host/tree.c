@@ -150,6 +150,7 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
     arguments.maxDepth = MOST_LEVELS;
     arguments.minLeafSize = 1;
     arguments.maxLeafSize = WIDTH;
+    arguments.sahBlockSize = WIDTH / 2; /* a block costs one ray as much as one primitive, a packet more */
     arguments.bvh = bvh;
     arguments.primitives = (struct RTCBuildPrimitive *)primitives;
     arguments.primitiveCount = arguments.primitiveArrayCapacity = p->bounded;

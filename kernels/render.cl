@@ -22,6 +22,7 @@ typedef struct {
 
 // Adds what the lanes found, sample after sample: the order of a sum is part of the picture.
 void add_samples(pixel_sum sums[PIXELS], const tree_sum *tree, ints active) {
+    const bool any_hits = any_ray(tree->hits); // else nothing was sent or discarded
     for (int lane = 0; lane < RAYS; lane++) {
         if (!INT_LANE(active, lane))
             continue;
@@ -29,11 +30,13 @@ void add_samples(pixel_sum sums[PIXELS], const tree_sum *tree, ints active) {
         const uint hits = INT_LANE(tree->hits, lane) ? 1 : 0;
         p->colour += (real4)(REAL_LANE(tree->colour.x, lane), REAL_LANE(tree->colour.y, lane),
                              REAL_LANE(tree->colour.z, lane), R(hits));
+        p->tally.extreme.x = max(p->tally.extreme.x, (uint)INT_LANE(tree->deepest, lane));
+        if (!any_hits)
+            continue;
         p->discarded += (real4)(REAL_LANE(tree->discarded.x, lane), REAL_LANE(tree->discarded.y, lane),
                                 REAL_LANE(tree->discarded.z, lane), R(0));
         p->tally.rays += (uint4)(INT_LANE(tree->reflection, lane), INT_LANE(tree->transmission, lane),
                                  INT_LANE(tree->shadow, lane), hits);
-        p->tally.extreme.x = max(p->tally.extreme.x, (uint)INT_LANE(tree->deepest, lane));
     }
 }
 

@@ -71,6 +71,12 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     encounter e;
     e.h = closest_hit(s, r, active);
     const ints found = active & (e.h.primitive >= 0);
+    if (!any_ray(found)) {
+#if HAS_TRANSMISSION
+        e.b.visible = mask(true);
+#endif
+        return e;
+    }
     e.id = identify(s, found, &e.h);
     e.f = find_surface(s, r, &e.h, found, &e.id);
     e.entering = dot3(e.f.normal, p->direction) < splat(0);
