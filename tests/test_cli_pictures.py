@@ -69,6 +69,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
         "work_group_from",
         "level",
         "features",
+        "options",
         "size",
         "samples",
         "version",
