@@ -67,6 +67,7 @@ def test_stats(cli: Any, tmp_path: Path, scene: Path) -> None:
         "device",
         "work_group",
         "work_group_from",
+        "pixels",
         "level",
         "features",
         "options",

@@ -1,4 +1,4 @@
-"""feeler bench: sweeps, what a size may do wrong, files of results, and keeping the best."""
+"""feeler bench: sweeps of work groups, what a size may do wrong, files of results, and keeping the best."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from typing import Any
 
 import jsonschema
 import pytest
-from conftest import ROOT
 from pictures import everything
+from places import ROOT
 from spheres import write_spheres
 from t4 import SCHEMA
 
