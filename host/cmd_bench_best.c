@@ -52,17 +52,21 @@ const run *best_of(const bench_case *b) {
 
 /* What tells a kernel and its device apart, as far as keeping goes. */
 static bool same_kernel(const json_t *a, const json_t *b) {
-    static const char *const keys[] = {"device", "level", "lanes", "features"};
+    static const char *const keys[] = {"device", "options"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (!json_equal(json_object_get(a, keys[i]), json_object_get(b, keys[i])))
             return false;
     return true;
 }
 
+static const char *text_at(const run *r, const char *key) {
+    return json_string_value(json_object_get(r->stats, key));
+}
+
 static int keep_run(const char *scene, const run *r) {
     feeler_error error = {0};
     char *text = json_dumps(r->stats, 0), *path = feeler_tuned_path();
-    int code = EXIT_FAILED;
+    int code = EXIT_FAILED, samples = (int)json_integer_value(json_object_get(r->stats, "samples"));
     if (!text)
         report_failure("out of memory");
     else if (feeler_tuned_keep(text, &error))
@@ -70,10 +74,9 @@ static int keep_run(const char *scene, const run *r) {
     else
         code = EXIT_DONE;
     if (code == EXIT_DONE)
-        report_note("kept in %s: %dx%d for scenes like %s, %s, lanes %d, on %s", path, r->size[0], r->size[1], scene,
-                    json_string_value(json_object_get(r->stats, "level")),
-                    (int)json_integer_value(json_object_get(r->stats, "lanes")),
-                    json_string_value(json_object_get(r->stats, "device")));
+        report_note("kept in %s: %dx%d for kernels like those of %s at level %s with %d sample%s, on %s", path,
+                    r->size[0], r->size[1], scene, text_at(r, "level"), samples, samples == 1 ? "" : "s",
+                    text_at(r, "device"));
     free(text);
     feeler_free(path);
     return code;

@@ -168,8 +168,8 @@ FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options
 FEELER_API char *feeler_tuned_path(void);
 /* 0, or -1 and what is wrong with the file and where. Renders do not fail by it: they leave it alone. */
 FEELER_API int feeler_tuned_check(feeler_error *error);
-/* Keeps the work group of a render's statistics (feeler_image_stats_json) for its device, level, lanes and features. A
- * file that is damaged is not replaced. */
+/* Keeps the work group of a render's statistics (feeler_image_stats_json) for its device and its kernels' options. A file
+ * that is damaged is not replaced. */
 FEELER_API int feeler_tuned_keep(const char *stats_json, feeler_error *error);
 
 /* ---- looking inside ---- */

@@ -13,6 +13,7 @@ void feeler_image_free(feeler_image *image) {
         return;
     free(image->pixels);
     free(image->scene_name);
+    free(image->options);
     free(image->stats_json);
     free(image);
 }
@@ -59,12 +60,13 @@ static json_t *bound(double value) {
 /* How the picture was made. `o` hands a new reference over, so that a NULL in it makes the whole fail. */
 static json_t *describe_settings(const feeler_image *image) {
     const render_stats *s = &image->stats;
-    return json_pack("{s:s, s:s, s:[i,i], s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o}",
+    return json_pack("{s:s, s:s, s:[i,i], s:s, s:[i,i], s:i, s:s, s:[i,i], s:[i,i,i,i], s:i, s:f, s:i, s:f, s:o, s:s}",
                      "version", feeler_version(), "device", s->device, "work_group", s->work_group[0], s->work_group[1],
                      "work_group_from", s->work_group_from, "pixels", s->pixels[0], s->pixels[1], "lanes", s->lanes,
                      "level", level_name(s->level), "size", s->width, s->height, "region", image->x0, image->y0,
                      image->x0 + image->width, image->y0 + image->height, "samples", s->samples, "jitter", s->jitter,
-                     "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features));
+                     "depth", s->depth, "cutoff", s->cutoff, "features", list_of_words(s->features), "options",
+                     image->options);
 }
 
 /* What it took. */

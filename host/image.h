@@ -31,6 +31,7 @@ struct feeler_image {
     void *pixels; /* owned; width x height x 4 float or double, linear RGBA */
     bool transparent;
     char *scene_name; /* owned */
+    char *options;    /* the kernels' build options; owned */
     render_stats stats;
     char *stats_json; /* owned, made on request */
 };

@@ -62,7 +62,7 @@ static json_t *info_json(const feeler_scene *scene, const feeler_settings *s, co
     json_object_set_new(json, "level", json_string(levels[s->level]));
     json_object_set_new(json, "features", features_json(n.features));
     json_object_set_new(json, "options", json_string(options));
-    json_object_set_new(json, "tuned", tuned_json(s, n));
+    json_object_set_new(json, "tuned", tuned_json(options));
     json_object_set_new(json, "tree_nodes", json_integer((json_int_t)p->arrays[ARRAY_NODES].count));
     json_object_set_new(json, "memory_bytes", memory_json(p));
     json_object_set_new(json, "seconds",

@@ -23,6 +23,7 @@ typedef struct job {
     needs needs;
     packed packed;
     upload upload;
+    char *options; /* that the program is built with; owned until the image takes it */
     program program;
     slot slots[2];
     size_t slot_pixels; /* room in a slot */

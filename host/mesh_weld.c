@@ -35,6 +35,7 @@ static bool equal(vec3 a, vec3 b) {
 typedef struct weld {
     const scene_mesh *from;
     scene_mesh to;   /* vertices and normals with room for all */
+    uint32_t *known; /* per vertex of `from`: its index in `to`, or nothing while no triangle has used it */
     uint32_t *slots; /* an index into `to`, or nothing */
     size_t slot_count;
 } weld;
@@ -60,23 +61,38 @@ static vec3 *shrunk(vec3 *items, size_t count) {
     return smaller ? smaller : items;
 }
 
+/* False when out of memory; what there is is to be freed either way. */
+static bool make_room(weld *w) {
+    const size_t count = w->from->vertex_count;
+    while (w->slot_count < 2 * count)
+        w->slot_count *= 2;
+    w->known = malloc((count + 1) * sizeof *w->known);
+    w->slots = malloc(w->slot_count * sizeof *w->slots);
+    w->to.vertices = malloc((count + 1) * sizeof *w->to.vertices);
+    if (w->from->normals)
+        w->to.normals = malloc((count + 1) * sizeof *w->to.normals);
+    if (!w->known || !w->slots || !w->to.vertices || (w->from->normals && !w->to.normals))
+        return false;
+    memset(w->known, 0xff, count * sizeof *w->known);
+    memset(w->slots, 0xff, w->slot_count * sizeof *w->slots);
+    return true;
+}
+
 int mesh_weld(scene_mesh *mesh, feeler_error *error) {
     weld w = {.from = mesh, .slot_count = 16};
-    while (w.slot_count < 2 * mesh->vertex_count)
-        w.slot_count *= 2;
-    w.slots = malloc(w.slot_count * sizeof *w.slots);
-    w.to.vertices = malloc((mesh->vertex_count + 1) * sizeof *w.to.vertices);
-    if (mesh->normals)
-        w.to.normals = malloc((mesh->vertex_count + 1) * sizeof *w.to.normals);
-    if (!w.slots || !w.to.vertices || (mesh->normals && !w.to.normals)) {
-        free(w.slots);
+    const bool room = make_room(&w);
+    for (size_t i = 0; room && i < 3 * mesh->triangle_count; i++) {
+        uint32_t *known = &w.known[mesh->indices[i]];
+        if (*known == nothing)
+            *known = kept_vertex(&w, mesh->indices[i]);
+        mesh->indices[i] = *known;
+    }
+    free(w.known);
+    free(w.slots);
+    if (!room) {
         mesh_clear(&w.to);
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     }
-    memset(w.slots, 0xff, w.slot_count * sizeof *w.slots);
-    for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
-        mesh->indices[i] = kept_vertex(&w, mesh->indices[i]);
-    free(w.slots);
     free(mesh->vertices);
     free(mesh->normals);
     mesh->vertex_count = w.to.vertex_count;

@@ -159,10 +159,9 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const view view = pack_view(scene, s, j->packed.origin);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
         return -1;
-    char *options = program_options(s, j->needs, error);
-    int status = options ? program_build(&j->program, j->device, options, error) : -1;
-    free(options);
-    if (status < 0 || choose_work_group(j->device, &j->program, s, j->needs, j->group, &j->group_from, error) < 0)
+    j->options = program_options(s, j->needs, error);
+    if (!j->options || program_build(&j->program, j->device, j->options, error) < 0 ||
+        choose_work_group(j->device, &j->program, s, j->needs, j->options, j->group, &j->group_from, error) < 0)
         return -1;
     j->slot_pixels = slot_room(j);
     for (int i = 0; i < 2; i++)
@@ -180,6 +179,8 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     stats->truncation_bound = truncation_bound(scene, j->discarded, lights);
     free(lights);
+    j->image->options = j->options;
+    j->options = NULL;
     stats->load = scene->load_seconds;
     stats->tree = j->packed.tree_seconds;
     stats->compile += j->program.seconds;
@@ -225,6 +226,7 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
     }
     for (int i = 0; i < 2; i++)
         close_slot(&j.slots[i]);
+    free(j.options);
     program_free(&j.program);
     upload_free(&j.upload);
     packed_free(&j.packed);

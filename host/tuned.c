@@ -34,10 +34,10 @@ char *feeler_tuned_path(void) {
 
 /* ---- reading ---- */
 
-/* What a kernel is told apart by, and the work group that suits it. */
+/* Kernels are told apart by their build options: they have all that a kernel's code and stacks depend on. */
 typedef struct entry {
-    const char *device, *features; /* borrowed; features as their names with a space between */
-    int level, lanes, group[2];
+    const char *device, *options; /* borrowed */
+    int group[2];
 } entry;
 
 typedef struct entries {
@@ -46,20 +46,11 @@ typedef struct entries {
     size_t count;
 } entries;
 
-enum { ENTRY_DEVICE, ENTRY_FEATURES, ENTRY_WORK_GROUP, ENTRY_SLOTS };
-static const char no_features[] = "none"; /* an empty text would look like a mistake */
-static const char *const levels[] = {"draft", "standard", "reference", NULL};
+enum { ENTRY_DEVICE, ENTRY_OPTIONS, ENTRY_WORK_GROUP, ENTRY_SLOTS };
 static const schema_key file_keys[] = {{.name = "work_groups", .type = KEY_NODE, .flags = KEY_REQUIRED}, {0}};
 static const schema_key entry_keys[] = {
     {.name = "device", .type = KEY_NODE, .offset = ENTRY_DEVICE, .flags = KEY_REQUIRED},
-    {.name = "level", .type = KEY_CHOICE, .offset = offsetof(entry, level), .flags = KEY_REQUIRED, .choices = levels},
-    {.name = "lanes",
-     .type = KEY_INTEGER,
-     .offset = offsetof(entry, lanes),
-     .low = 1,
-     .high = 64,
-     .flags = KEY_REQUIRED},
-    {.name = "features", .type = KEY_NODE, .offset = ENTRY_FEATURES, .flags = KEY_REQUIRED},
+    {.name = "options", .type = KEY_NODE, .offset = ENTRY_OPTIONS, .flags = KEY_REQUIRED},
     {.name = "work_group", .type = KEY_NODE, .offset = ENTRY_WORK_GROUP, .flags = KEY_REQUIRED},
     {0},
 };
@@ -67,7 +58,7 @@ static const schema_key entry_keys[] = {
 static int read_entry(const reader *reader, const feeler_node *node, entry *e) {
     const feeler_node *nodes[ENTRY_SLOTS] = {0};
     if (schema_read(reader, node, entry_keys, e, nodes) < 0 || read_text(reader, nodes[ENTRY_DEVICE], &e->device) < 0 ||
-        read_text(reader, nodes[ENTRY_FEATURES], &e->features) < 0)
+        read_text(reader, nodes[ENTRY_OPTIONS], &e->options) < 0)
         return -1;
     const feeler_node *group = node_value(nodes[ENTRY_WORK_GROUP]);
     if (group->kind != NODE_LIST || group->children.count != 2)
@@ -127,27 +118,16 @@ int feeler_tuned_check(feeler_error *error) {
 
 /* ---- looking up ---- */
 
-static bool same_kernel(const entry *a, const entry *b) {
-    return a->level == b->level && a->lanes == b->lanes && strcmp(a->features, b->features) == 0;
-}
-
-static entry describe_kernel(const feeler_settings *s, needs n, char features[1024]) {
-    features_text(n.features, features, 1024);
-    if (!*features)
-        strcpy(features, no_features);
-    return (entry){.features = features, .level = s->level, .lanes = s->lanes};
-}
-
-bool tuned_find(const char *device, const feeler_settings *s, needs n, int group[2]) {
-    char features[1024], *path = feeler_tuned_path();
-    const entry wanted = describe_kernel(s, n, features);
+bool tuned_find(const char *device, const char *options, int group[2]) {
+    char *path = feeler_tuned_path();
     entries all;
     bool found = false;
     if (entries_read(path, &all, NULL) == 0) {
         for (size_t i = 0; i < all.count && !found; i++) {
-            found = strcmp(all.list[i].device, device) == 0 && same_kernel(&all.list[i], &wanted);
+            const entry *e = &all.list[i];
+            found = strcmp(e->device, device) == 0 && strcmp(e->options, options) == 0;
             if (found)
-                memcpy(group, all.list[i].group, sizeof all.list[i].group);
+                memcpy(group, e->group, sizeof e->group);
         }
         entries_free(&all);
     }
@@ -155,16 +135,16 @@ bool tuned_find(const char *device, const feeler_settings *s, needs n, int group
     return found;
 }
 
-json_t *tuned_json(const feeler_settings *s, needs n) {
-    char features[1024], *path = feeler_tuned_path();
-    const entry wanted = describe_kernel(s, n, features);
+json_t *tuned_json(const char *options) {
+    char *path = feeler_tuned_path();
     entries all;
     json_t *json = json_object(), *groups = json_object();
     if (entries_read(path, &all, NULL) == 0) {
-        for (size_t i = 0; i < all.count; i++)
-            if (same_kernel(&all.list[i], &wanted))
-                json_object_set_new(groups, all.list[i].device,
-                                    json_pack("[i, i]", all.list[i].group[0], all.list[i].group[1]));
+        for (size_t i = 0; i < all.count; i++) {
+            const entry *e = &all.list[i];
+            if (strcmp(e->options, options) == 0)
+                json_object_set_new(groups, e->device, json_pack("[i, i]", e->group[0], e->group[1]));
+        }
         entries_free(&all);
     }
     if (json_object_size(groups)) {
@@ -216,8 +196,7 @@ static int write_entries(const char *path, const entries *all, feeler_error *err
             const entry *e = &all->list[i];
             fputs("-\n", stream);
             write_text(stream, "device", e->device);
-            fprintf(stream, "  level: %s\n  lanes: %d\n", levels[e->level], e->lanes);
-            write_text(stream, "features", e->features);
+            write_text(stream, "options", e->options);
             fprintf(stream, "  work_group: [%d, %d]\n", e->group[0], e->group[1]);
         }
     }
@@ -228,48 +207,22 @@ static int write_entries(const char *path, const entries *all, feeler_error *err
     return replacement_close(&file, status, error);
 }
 
-/* The words of a JSON list with a space between; false: it is no list of words, or there is no room. */
-static bool join_words(const json_t *list, char *text, size_t size) {
-    size_t i, used = 0;
-    json_t *word;
-    json_array_foreach(list, i, word) {
-        if (!json_is_string(word) || used >= size)
-            return false;
-        used += (size_t)snprintf(text + used, size - used, "%s%s", i ? " " : "", json_string_value(word));
-    }
-    return json_is_array(list) && used < size;
-}
-
-/* What a render's statistics say of its device, kernel and work group; borrows from `stats` and `features`. */
-static int read_stats(json_t *stats, char features[1024], entry *e, feeler_error *error) {
-    const char *level = "";
-    json_t *list = NULL;
-    *e = (entry){.features = features};
-    bool known =
-        stats && json_unpack(stats, "{s:s, s:s, s:i, s:o, s:[i,i]}", "device", &e->device, "level", &level, "lanes",
-                             &e->lanes, "features", &list, "work_group", &e->group[0], &e->group[1]) == 0;
-    while (known && levels[e->level] && strcmp(levels[e->level], level) != 0)
-        e->level++;
-    if (!known || !levels[e->level] || !join_words(list, features, 1024))
-        return fail(error, FEELER_BAD_USAGE, "these are not the statistics of a render");
-    if (!*features)
-        strcpy(features, no_features);
-    return 0;
-}
-
 int feeler_tuned_keep(const char *stats_json, feeler_error *error) {
-    char features[1024] = "", *path = feeler_tuned_path();
+    char *path = feeler_tuned_path();
     json_t *stats = json_loads(stats_json, 0, NULL);
     entry kept;
     entries all;
-    int status = read_stats(stats, features, &kept, error);
+    int status = 0;
+    if (!stats || json_unpack(stats, "{s:s, s:s, s:[i,i]}", "device", &kept.device, "options", &kept.options,
+                              "work_group", &kept.group[0], &kept.group[1]))
+        status = fail(error, FEELER_BAD_USAGE, "these are not the statistics of a render");
     if (status == 0 && !path)
         status = fail(error, FEELER_BAD_USAGE,
                       "there is no file to keep work groups in: FEELER_TUNED is empty, or neither XDG_CONFIG_HOME nor "
                       "HOME is set");
     if (status == 0 && (status = entries_read(path, &all, error)) == 0) {
         size_t i = 0;
-        while (i < all.count && !(strcmp(all.list[i].device, kept.device) == 0 && same_kernel(&all.list[i], &kept)))
+        while (i < all.count && (strcmp(all.list[i].device, kept.device) || strcmp(all.list[i].options, kept.options)))
             i++;
         all.list[i] = kept;
         all.count += i == all.count;

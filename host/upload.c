@@ -34,16 +34,17 @@ static cl_mem copy_reals(const feeler_device *device, const void *doubles, size_
     return buffer;
 }
 
-int upload_scene(upload *u, const packed *p, const view *view, int media, const feeler_device *device,
-                 feeler_error *error) {
+int upload_scene(upload *u, packed *p, const view *view, int media, const feeler_device *device, feeler_error *error) {
     memset(u, 0, sizeof *u);
     for (int i = 0; i < ARRAY_COUNT; i++) {
-        const array *a = &p->arrays[i];
+        array *a = &p->arrays[i];
         size_t size = a->count * a->element;
         u->arrays[i] = a->is_real ? copy_reals(device, a->data, size, p->is_double, error)
                                   : copy_buffer(device, size ? a->data : NULL, size, error);
         if (!u->arrays[i])
             goto failed;
+        free(a->data);
+        a->data = NULL;
     }
     u->view = copy_reals(device, view, sizeof *view, p->is_double, error);
     if (!u->view)

@@ -54,7 +54,7 @@ static void choose(const limits *l, int group[2]) {
 }
 
 int choose_work_group(const feeler_device *device, const program *program, const feeler_settings *s, needs n,
-                      int group[2], group_origin *from, feeler_error *error) {
+                      const char *options, int group[2], group_origin *from, feeler_error *error) {
     limits l = {.device = device, .bytes = work_item_bytes(s, n)};
     if (find_limits(&l, program, error) < 0)
         return -1;
@@ -66,7 +66,7 @@ int choose_work_group(const feeler_device *device, const program *program, const
         return *from == GROUP_FORCED ? 0 : check_safe(&l, group, error);
     }
     *from = GROUP_TUNED;
-    if (!s->untuned && tuned_find(device->name, s, n, group) && check_possible(&l, group, NULL) == 0 &&
+    if (!s->untuned && tuned_find(device->name, options, group) && check_possible(&l, group, NULL) == 0 &&
         check_safe(&l, group, NULL) == 0)
         return 0;
     *from = GROUP_CHOSEN;

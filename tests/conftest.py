@@ -10,9 +10,7 @@ from typing import Any
 
 import hypothesis
 import pytest
-
-ROOT = Path(__file__).resolve().parent.parent
-BUILD = Path(os.environ.get("FEELER_LIBRARY", ROOT / "build"))
+from places import BUILD, ROOT
 
 # What a user keeps (`feeler bench --save`) must not change a test: an empty folder of configuration.
 os.environ["XDG_CONFIG_HOME"] = tempfile.mkdtemp(prefix="feeler-config-")

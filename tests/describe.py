@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import BUILD, ROOT
+from places import BUILD, ROOT
 
 # The program's own files are no part of the library.
 PROGRAM = ("main", "options", "progress", "cmd_")

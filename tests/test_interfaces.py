@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import BUILD, ROOT
 from exr import read_exr
 from pictures import everything, same_bits
+from places import BUILD, ROOT
 
 import feeler
 

@@ -18,9 +18,7 @@ from feeler._library import call, ffi, lib
 HEADER = "work_groups:\n"
 ENTRY = """\
 - device: "{device}"
-  level: {level}
-  lanes: {lanes}
-  features: "{features}"
+  options: "{options}"
   work_group: [{x}, {y}]
 """
 
@@ -43,8 +41,7 @@ def keep(stats: dict[str, Any]) -> None:
 
 def write(path: Path, stats: dict[str, Any], *, x: int = 16, y: int = 4, **other: Any) -> None:
     """An entry for the kernel of a render, but for what is given."""
-    names = " ".join(stats["features"])
-    entry = {**stats, "features": names, "x": x, "y": y, **other}
+    entry = {**stats, "x": x, "y": y, **other}
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(HEADER + ENTRY.format(**entry))
 
@@ -79,13 +76,21 @@ def test_info_says_so(cli: Any, scene: Path, tuned: Path) -> None:
     assert str(tuned) in cli("info", scene).stdout
 
 
-@pytest.mark.parametrize("other", [{"device": "another"}, {"level": "draft"}, {"lanes": 2}, {"features": "sphere"}])
-def test_only_for_its_device_and_kernel(scene: Path, tuned: Path, other: dict[str, Any]) -> None:
+@pytest.mark.parametrize("other", [{"level": "draft"}, {"lanes": 2}, {"general": True}, {"brute_force": True}])
+def test_only_for_its_kernel(scene: Path, tuned: Path, other: dict[str, Any]) -> None:
+    """Settings that change the kernel have sizes of their own; others, such as the picture's size, have not."""
+    loaded = feeler.load(scene)
+    keep(loaded.render(work_group=(16, 4)).stats)
+    assert loaded.render(size=(20, 30)).stats["work_group"] == [16, 4]
+    assert loaded.render(**other).stats["work_group_from"] == "chosen"
+
+
+def test_only_for_its_device(scene: Path, tuned: Path) -> None:
     loaded = feeler.load(scene)
     stats = loaded.render().stats
     write(tuned, stats)
     assert loaded.render().stats["work_group"] == [16, 4]
-    write(tuned, stats, **other)
+    write(tuned, stats, device="another")
     assert loaded.render().stats["work_group_from"] == "chosen"
 
 
@@ -112,7 +117,7 @@ def test_strange_device_names_come_back(scene: Path, tuned: Path) -> None:
     assert list(text["work_groups"]) == ['a "quoted" \\ name: # \t é']
 
 
-@pytest.mark.parametrize("stats", ["", "{}", "[]", '{"device": "x", "level": "y", "lanes": 1, "features": []}'])
+@pytest.mark.parametrize("stats", ["", "{}", "[]", '{"device": "x", "options": 1, "work_group": [1, 1]}'])
 def test_only_statistics_are_kept(tuned: Path, stats: str) -> None:
     with pytest.raises(feeler.Error, match="not the statistics"):
         call(lib.feeler_tuned_keep, stats.encode())
@@ -154,12 +159,11 @@ DAMAGED = {
     "an unknown key": ("work_groups: []\nwork_grups: 1\n", 2),
     "no list": ("work_groups: 3\n", 1),
     "no entry": (HEADER + "- 5\n", 2),
-    "no device": (HEADER + ENTRY.format(device="", level="draft", lanes=1, features="x", x=1, y=1), 2),
-    "level": (HEADER + ENTRY.format(device="d", level="exact", lanes=1, features="x", x=1, y=1), 3),
-    "lanes": (HEADER + ENTRY.format(device="d", level="draft", lanes=0, features="x", x=1, y=1), 4),
-    "no features": (HEADER + ENTRY.format(device="d", level="draft", lanes=1, features="", x=1, y=1), 5),
-    "size 0": (HEADER + ENTRY.format(device="d", level="draft", lanes=1, features="x", x=0, y=1), 6),
-    "size of three": (HEADER + ENTRY.format(device="d", level="draft", lanes=1, features="x", x="1, 1", y=1), 6),
+    "no device": (HEADER + ENTRY.format(device="", options="x", x=1, y=1), 2),
+    "no options": (HEADER + ENTRY.format(device="d", options="", x=1, y=1), 3),
+    "size 0": (HEADER + ENTRY.format(device="d", options="x", x=0, y=1), 4),
+    "half a size": (HEADER + ENTRY.format(device="d", options="x", x=1.5, y=1), 4),
+    "size of three": (HEADER + ENTRY.format(device="d", options="x", x="1, 1", y=1), 4),
     "half an entry": (HEADER + "- device: d\n", 2),
 }
 

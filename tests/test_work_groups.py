@@ -1,4 +1,4 @@
-"""feeler bench: sweeps, what a size may do wrong, files of results, and keeping the best."""
+"""feeler bench: sweeps of work groups, what a size may do wrong, files of results, and keeping the best."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from typing import Any
 
 import jsonschema
 import pytest
-from conftest import ROOT
 from pictures import everything
+from places import ROOT
 from spheres import write_spheres
 from t4 import SCHEMA
 
@@ -158,12 +158,14 @@ def test_a_crash_is_a_row(cli: Any, tmp_path: Path) -> None:
 
 
 def test_what_render_refuses_is_marked_and_not_kept(cli: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eight by four stacks are more than is safe, though fewer than a thread of PoCL has room for."""
     monkeypatch.setenv("FEELER_TUNED", str(tmp_path / "kept.yaml"))
     deep = write_deep_scene(tmp_path / "deep.yaml")
-    results = sweep(cli, deep, "--samples", "16", "--repeat", "1", "--work-groups", "16x4", "--size", "8x8", "--save")
-    by_size = {size_of(result): measured(result) for result in results}
-    assert by_size[16, 4]["forced"] == 1
-    assert "work_group: [16, 4]" not in (tmp_path / "kept.yaml").read_text()
+    results = sweep(cli, deep, "--samples", "16", "--repeat", "1", "--work-groups", "8x4", "--size", "8x8", "--save")
+    by_size = {size_of(result): result for result in results}
+    assert by_size[8, 4]["invalidity"] == "correct"
+    assert measured(by_size[8, 4])["forced"] == 1
+    assert "work_group: [8, 4]" not in (tmp_path / "kept.yaml").read_text()
 
 
 def test_a_time_limit_is_a_row(cli: Any, scene: Path) -> None:
@@ -278,7 +280,7 @@ def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_save_and_render(cli: Any, scene: Path, config: Path) -> None:
     done = cli("bench", scene, *FAST, "--save")
     assert done.returncode == 0, done.stderr
-    kept = re.search(r"kept in (.*): (\d+)x(\d+) for scenes like", done.stderr)
+    kept = re.search(r"kept in (.*): (\d+)x(\d+) for kernels like", done.stderr)
     assert kept and kept[1] == str(config)
     best = re.search(r"best: (\d+)x(\d+)", done.stdout)
     assert kept.groups()[1:] == (best.groups() if best else ("8", "8"))
@@ -302,7 +304,7 @@ def test_the_best_is_kept_for_scenes_that_are_alike(cli: Any, tmp_path: Path, sc
     done = cli("bench", scene, "other.nff", "plain.nff", *FAST, "--repeat", "1", "--save")
     assert done.returncode == 0, done.stderr
     assert done.stderr.count("kept in") == 2
-    assert config.read_text().count("- device") + config.read_text().count("-\n") == 2
+    assert config.read_text().count("work_group: ") == 2
 
 
 def test_save_leaves_a_damaged_file_alone(cli: Any, scene: Path, config: Path) -> None:
