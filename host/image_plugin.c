@@ -26,7 +26,7 @@ static void load(void) {
     const char *slash = strrchr(here.dli_fname, '/');
     int folder = slash ? (int)(slash + 1 - here.dli_fname) : 0;
     snprintf(path, sizeof path, "%.*s%s", folder, here.dli_fname, name);
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    void *library = dlopen(path, RTLD_LAZY | RTLD_LOCAL);
     void *symbol = library ? dlsym(library, "feeler_image_io_write") : NULL;
     if (symbol)
         memcpy(&write_image, &symbol, sizeof write_image); /* ISO C has no cast from object to function */

@@ -43,8 +43,10 @@ size_t tile_pixels(const tile *tile);
 /* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */
 int open_slot(const job *job, slot *slot, feeler_error *error);
 void close_slot(slot *slot);
-/* Finds the media that the eye is in; waits for it. */
+/* Finds the media that the eye is in, which takes a kernel to be compiled; waits for it. */
 int find_eye_media(const job *job, feeler_error *error);
+/* The eye is in none. */
+int clear_eye_media(const job *job, feeler_error *error);
 /* Launches a tile and asks for its results; waits for nothing. */
 int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
 /* How long the launch ran on the device; negative where the queue does not tell. */

@@ -62,6 +62,14 @@ static launch make_launch(const job *j, const tile *t) {
     };
 }
 
+int clear_eye_media(const job *j, feeler_error *error) {
+    const cl_int none = -1;
+    size_t size = (size_t)j->needs.media * sizeof none;
+    cl_int status =
+        clEnqueueFillBuffer(j->device->queue, j->upload.eye_media, &none, sizeof none, 0, size, 0, NULL, NULL);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueFillBuffer", status);
+}
+
 int find_eye_media(const job *j, feeler_error *error) {
     cl_int status = CL_SUCCESS;
     cl_kernel kernel = j->program.find_eye_media;

@@ -101,6 +101,9 @@ bounds primitive_bounds(const packed *packed, size_t number);
 /* Puts the bounded primitives into blocks, and a tree over them: fills nodes, links, blocks and block numbers. */
 int build_tree(packed *packed, bool brute_force, feeler_error *error);
 
+/* Whether the eye, in packed coordinates, is in the box of a solid. Else it is in no medium. */
+bool eye_may_be_inside(const packed *packed, real4 eye);
+
 /* The view of a scene for a picture of width x height pixels, as `real` of the packed kind. */
 view pack_view(const feeler_scene *scene, const feeler_settings *resolved, vec3 origin);
 

@@ -157,6 +157,7 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
         return -1;
     j->needs = choose_needs(scene, s);
     const view view = pack_view(scene, s, j->packed.origin);
+    bool inside = eye_may_be_inside(&j->packed, view.eye);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
         return -1;
     j->options = program_options(s, j->needs, error);
@@ -169,7 +170,9 @@ static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
             return -1;
     tiles_start(&j->tiles, s->region, j->group, first_budget(j));
     bool transmits = j->needs.features >> FEATURE_TRANSMISSION & 1;
-    return transmits ? find_eye_media(j, error) : 0;
+    if (!transmits)
+        return 0;
+    return inside ? find_eye_media(j, error) : clear_eye_media(j, error);
 }
 
 static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_error *error) {

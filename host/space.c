@@ -1,5 +1,5 @@
 /* space.c - where the packed scene's origin is, the view from there, and whether a mesh encloses space. */
-#include "packed.h"
+#include "blocks.h"
 #include "vec.h"
 
 #include <math.h>
@@ -121,4 +121,24 @@ int mesh_is_closed(const scene_mesh *mesh, feeler_error *error) {
         closed = edges[i] == back[i];
     free(edges);
     return closed;
+}
+
+static bool is_inside(real4 p, bounds b) {
+    return p.x >= b.low.x && p.x <= b.high.x && p.y >= b.low.y && p.y <= b.high.y && p.z >= b.low.z && p.z <= b.high.z;
+}
+
+/* Meshes have one box together. */
+bool eye_may_be_inside(const packed *p, real4 eye) {
+    const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
+    bounds meshes = empty_bounds();
+    for (size_t i = 0; i < p->arrays[ARRAY_PRIMITIVES].count; i++) {
+        if (!(primitives[i].w & FLAG_SOLID))
+            continue;
+        bounds b = primitive_bounds(p, i);
+        if (primitives[i].x == KIND_TRIANGLE)
+            meshes = join(meshes, b);
+        else if (is_inside(eye, b))
+            return true;
+    }
+    return is_inside(eye, meshes);
 }
