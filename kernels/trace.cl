@@ -72,6 +72,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     e.h = closest_hit(s, r, active);
     const ints found = active & (e.h.primitive >= 0);
     if (!any_ray(found)) {
+        e.id.kind = e.id.index = e.id.material = e.id.flags = whole(0); // what other lanes may be asked for with these
 #if HAS_TRANSMISSION
         e.b.visible = mask(true);
 #endif
