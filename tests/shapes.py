@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -111,6 +112,16 @@ class Shapes:
         if self.kind == POLYGON:
             tables |= corner_tables(self.points)
         return tables | block_tables(self._block_fields(low, high), self.kind << 29 | self.flags << 24, size)
+
+
+def members(value: Any, change: Callable[[Any], Any]) -> Any:
+    """A struct with its arrays changed."""
+    return type(value)(*(members(part, change) for part in value)) if isinstance(value, tuple) else change(value)
+
+
+def column(value: Any) -> Any:
+    """A struct with one more axis to each of its arrays, behind the first."""
+    return members(value, lambda part: part[:, None])
 
 
 def ray(level: str, origin: Any, direction: Any, options: str = SHAPES) -> Any:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from blocks import WIDTH, mix, renumber, tree_tables
-from shapes import LEVELS, REAL, Shapes, only, random_shapes, unit, units
+from shapes import LEVELS, REAL, Shapes, column, members, only, random_shapes, unit, units
 
 import feeler
 
@@ -79,15 +78,6 @@ def make_rays(level: str) -> tuple[Any, Any]:
                                 nearly, everywhere])  # fmt: skip
     share = np.repeat(rng.choice([0, 0.1, 0.5, 1, 1], len(origin) // PACKET), PACKET)
     return feeler.probe("make_ray", origin, direction, level=level, options=BRUTE), rng.random(len(origin)) < share
-
-
-def members(value: Any, change: Callable[[Any], Any]) -> Any:
-    """A struct with its arrays changed."""
-    return type(value)(*(members(part, change) for part in value)) if isinstance(value, tuple) else change(value)
-
-
-def column(value: Any) -> Any:
-    return members(value, lambda part: part[:, None])
 
 
 def nearest(level: str, r: Any) -> Any:
