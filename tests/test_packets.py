@@ -24,7 +24,7 @@ WAYS = [(1, 1), (2, 1), (4, 1), (8, 1), (16, 1), (2, 2), (4, 4), (8, 8), (16, 16
 
 
 def shapes_of(level: str) -> list[Shapes]:
-    """Some of each kind about the origin, half of them on a grid, where faces and edges coincide."""
+    """Some of each kind about the origin, some of them twice; boxes on a grid, where faces and edges coincide."""
     parts = []
     for seed, name in enumerate(KINDS):
         s = random_shapes(name, level, 11, seed=70 + seed, least=0.2, most=1.5)
@@ -32,19 +32,21 @@ def shapes_of(level: str) -> list[Shapes]:
     return parts
 
 
+TWICE = np.array([0, 0, 2, 3, 4, 5, 6, 4, 8, 0, 6])  # within a block and across
+
+
 def move(s: Shapes, rng: np.random.Generator, grid: bool) -> Shapes:
-    """The shapes moved near the origin; onto whole numbers where `grid`."""
+    """The shapes moved near the origin, those of TWICE in the place of others; onto whole numbers where `grid`."""
     target = rng.integers(-2, 3, (s.count, 3)) if grid else rng.uniform(-2, 2, (s.count, 3))
     offset = target - (s.low + s.high) / 2
     rows, points = s.rows.copy(), s.points
     if rows.shape[1]:
         rows[:, :3] += offset
+    low, high = s.low + offset, s.high + offset
     if grid:
-        size = rng.integers(1, 3, (s.count, 3)) / 2
-        moved = Shapes(s.kind, s.level, None, target, target + size)
-    else:
-        points = None if points is None else points + offset[:, None]
-        moved = Shapes(s.kind, s.level, rows, s.low + offset, s.high + offset, points)
+        low, high = target, target + rng.integers(1, 3, (s.count, 3)) / 2
+    points = None if points is None else (points + offset[:, None])[TWICE]
+    moved = Shapes(s.kind, s.level, rows[TWICE], low[TWICE], high[TWICE], points)
     moved.flags = s.flags
     return moved
 
@@ -116,11 +118,14 @@ def expected(level: str) -> list[tuple[Any, Any, Any, Any]]:
 def test_the_rays_are_worth_it(level: str) -> None:
     """There are hits and misses, ties between primitives, packets that go both ways, and some that are thinly filled."""
     shares = [(h.primitive[active] >= 0).mean() for _, active, h, _ in expected(level)]
-    assert 0.6 < shares[0] < 0.95 and shares[2] > 0.3, shares
+    assert 0.5 < shares[0] < 0.95 and shares[2] > 0.3, shares
     r, active, h, _ = expected(level)[0]
-    assert len(np.unique(h.primitive)) > 60
+    assert len(np.unique(h.primitive)) > 40
     behind = expected(level)[1][2]
-    assert ((h.primitive >= 0) & (behind.distance == h.distance)).sum() > 20
+    again = active & (behind.primitive >= 0) & (behind.distance == h.distance)
+    assert again.sum() > 100
+    assert (behind.primitive > h.primitive)[again].all()
+    assert (behind.distance >= h.distance)[active & (behind.primitive >= 0)].all()
     inverse = r.inverse.reshape(-1, PACKET, 3)
     assert ((inverse.min(1) < 0) & (inverse.max(1) > 0)).any(1).mean() > 0.5
     filled = active.reshape(-1, PACKET).sum(1)
