@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from blocks import block_tables, corner_tables
 
 import feeler
 
@@ -17,7 +19,6 @@ CAPPED = 16
 UNIT = {"standard": 2.0**-24, "reference": 2.0**-53}
 REAL: dict[str, Any] = {"standard": np.float32, "reference": np.float64}
 LEVELS = ["standard", "reference"]
-WIDTH = 8
 
 # How rays meet a block: one ray has several entries side by side, as many as there are lanes; or many rays have one.
 WAYS = {"alone": (1, " -DRAYS=1"), "together": (8, " -DRAYS=1"), "apart": (8, " -DRAYS=8")}
@@ -75,7 +76,7 @@ class Shapes:
         self.count = len(low)
         self.low, self.high = np.asarray(low, float), np.asarray(high, float)
 
-    def _bounds(self) -> tuple[Any, Any]:
+    def bounds(self) -> tuple[Any, Any]:
         """Boxes a little wider than the shapes, as packing makes them; a box is its own."""
         step = 8 * UNIT[self.level]
         size = (self.high - self.low).max(1, keepdims=True)
@@ -95,7 +96,7 @@ class Shapes:
 
     def scene(self, size: int = 1) -> dict[str, Any]:
         """The tables of a `scene` without a tree, in blocks of `size`."""
-        low, high = self._bounds()
+        low, high = self.bounds()
         zero = np.zeros((self.count, 1))
         numbers = np.arange(self.count)
         primitives = np.stack([numbers * 0 + self.kind, numbers, numbers * 0, numbers * 0 + self.flags], 1)
@@ -113,30 +114,14 @@ class Shapes:
         return tables | block_tables(self._block_fields(low, high), self.kind << 29 | self.flags << 24, size)
 
 
-def block_tables(fields: Any, tag: int, size: int) -> dict[str, Any]:
-    """Blocks of neighbours with a tag of their own, the last of each repeated (host/tree.c)."""
-    count, rows = fields.shape
-    blocks = np.arange(-(-count // size))
-    places = np.minimum(blocks[:, None] * size + np.minimum(np.arange(WIDTH), size - 1), count - 1)
-    return {
-        "blocks": fields[places].transpose(0, 2, 1).ravel(),
-        "block_numbers": places.ravel(),
-        "links": np.stack([blocks * rows, tag + blocks], 1),
-        "count": [0, len(blocks), 0, 0],
-    }
+def members(value: Any, change: Callable[[Any], Any]) -> Any:
+    """A struct with its arrays changed."""
+    return type(value)(*(members(part, change) for part in value)) if isinstance(value, tuple) else change(value)
 
 
-def corner_tables(polygons: Any) -> dict[str, Any]:
-    """Rows of x, y and z for polygons of so many corners each, the last corner in front and in what is left over."""
-    rows, ranges, units = [], [], 0
-    for corners in polygons:
-        count = len(corners)
-        length = -(-count // WIDTH) * WIDTH + 1
-        whole = np.concatenate([corners[-1:], corners, np.repeat(corners[-1:], length - 1 - count, 0)]).T.ravel()
-        rows.append(np.concatenate([whole, np.zeros(-len(whole) % WIDTH)]))
-        ranges.append([units, count, 0, 0])
-        units += len(rows[-1]) // WIDTH
-    return {"corners": np.concatenate(rows), "polygon_ranges": ranges}
+def column(value: Any) -> Any:
+    """A struct with one more axis to each of its arrays, behind the first."""
+    return members(value, lambda part: part[:, None])
 
 
 def ray(level: str, origin: Any, direction: Any, options: str = SHAPES) -> Any:

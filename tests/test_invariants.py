@@ -49,34 +49,68 @@ def test_regions(scene: feeler.Scene, picture: Any, region: tuple[int, int, int,
     assert same_bits(part, np.ascontiguousarray(picture[y0:y1, x0:x1]))
 
 
-LANES_REGION = (8, 6, 32, 24)
+# Of odd size, so that the pixels in the middle have samples whose rays go both ways along an axis.
+# One tile: how large they are without is a matter of time, and the sum behind a mean of their order.
+SMALL: dict[str, Any] = {"size": (29, 23), "region": (5, 3, 28, 20), "tile": 100_000}
+SAMPLES = (1, 3, 4, 5, 16, 64)
+WIDTHS = (1, 2, 4, 8, 16)
 
 
-def compare_lanes(scene: feeler.Scene, level: str, widths: tuple[int, ...]) -> None:
-    """Samples that travel together have the bits of samples on their own."""
-    expected: dict[int, Any] = {}
-    for lanes in widths:
-        for samples in (1, 4, 5, 16):
-            image = scene.render(lanes=lanes, samples=samples, level=level, region=LANES_REGION)
-            first = expected.setdefault(samples, image)
-            assert same_bits(image.pixels, first.pixels), (lanes, samples)
-            for key in ("rays", "discarded_weight", "deepest_level", "truncation_bound"):
-                assert image.stats[key] == first.stats[key], (lanes, samples, key)
+def compare_lanes(scenes: list[feeler.Scene], level: str, ways: list[dict[str, Any]], samples: Any = SAMPLES) -> None:
+    """Rays that travel together, or one in all lanes, have the bits of rays on their own."""
+    for scene in scenes:
+        for count in samples:
+            expected = scene.render(lanes=1, samples=count, level=level, **SMALL)
+            for way in ways:
+                image = scene.render(samples=count, level=level, **way, **SMALL)
+                assert same_bits(image.pixels, expected.pixels), (way, count)
+                for key in ("rays", "discarded_weight", "deepest_level", "truncation_bound"):
+                    assert image.stats[key] == expected.stats[key], (way, count, key)
 
 
-@pytest.mark.parametrize(("level", "lanes"), [("standard", 16), ("reference", 4)])
-def test_lanes(scene: feeler.Scene, level: str, lanes: int) -> None:
-    compare_lanes(scene, level, (1, lanes))
+@pytest.fixture(scope="module")
+def mixed(scene: feeler.Scene) -> list[feeler.Scene]:
+    """Scenes that have every feature: their kernels are the same."""
+    return [scene, *(feeler.Scene(random_scene(seed)) for seed in (6, 7))]
+
+
+@pytest.mark.parametrize(
+    ("level", "lanes", "brute_force"), [("standard", 16, False), ("reference", 4, True), ("draft", 8, False)]
+)
+def test_lanes(mixed: list[feeler.Scene], level: str, lanes: int, brute_force: bool) -> None:
+    compare_lanes(mixed, level, [{"lanes": lanes, "brute_force": brute_force}])
 
 
 def test_every_number_of_lanes() -> None:
-    compare_lanes(feeler.Scene(SPECIALISED["matte"]), "standard", (1, 2, 4, 8))
+    ways = [{"lanes": lanes, "brute_force": brute} for lanes in WIDTHS for brute in (False, True)]
+    compare_lanes([feeler.Scene(SPECIALISED["matte"])], "standard", ways)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["draft", *LEVELS])
+def test_every_number_of_lanes_with_everything(mixed: list[feeler.Scene], level: str) -> None:
+    ways = [{"lanes": lanes, "brute_force": brute} for lanes in WIDTHS for brute in (False, True)]
+    compare_lanes(mixed, level, ways)
+
+
+BLOCKS = [(2, (2, 1)), (4, (1, 4)), (8, (2, 2)), (8, (4, 2)), (16, (4, 4)), (16, (2, 1))]
+
+
+def test_several_pixels_of_a_work_item() -> None:
+    """The region's edges are no multiples of any."""
+    scene = feeler.Scene(SPECIALISED["matte"])
+    compare_lanes([scene], "standard", [{"lanes": lanes, "pixels": pixels} for lanes, pixels in BLOCKS])
+    tiled = scene.render(lanes=8, pixels=(4, 2), samples=5, **{**SMALL, "tile": 37})
+    assert same_bits(tiled.pixels, scene.render(lanes=1, samples=5, **SMALL).pixels)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("level", LEVELS)
-def test_every_number_of_lanes_with_everything(scene: feeler.Scene, level: str) -> None:
-    compare_lanes(scene, level, (1, 2, 4, 8, 16))
+def test_several_pixels_with_everything(mixed: list[feeler.Scene], level: str) -> None:
+    ways = [
+        {"lanes": lanes, "pixels": pixels, "brute_force": brute} for lanes, pixels in BLOCKS for brute in (False, True)
+    ]
+    compare_lanes(mixed, level, ways)
 
 
 @pytest.mark.parametrize("level", LEVELS)

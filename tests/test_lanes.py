@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import LEVELS, REAL, WIDTH, only
+from blocks import WIDTH
+from shapes import LEVELS, REAL, only
 
 import feeler
 

@@ -131,14 +131,30 @@ def test_a_spawned_point_is_outside_of_the_errors_box(level: str) -> None:
     assert (scaled == start * real(2.0**-40)).all()
 
 
+def places(*arguments: Any) -> Any:
+    """Places in pixels: all x, all y."""
+    return np.moveaxis(probe("place_samples", *arguments), -1, 0)
+
+
+def test_whole_quotients() -> None:
+    """Right while they are under 2^22, next to multiples above all."""
+    rng = np.random.default_rng(45)
+    b = np.concatenate([np.arange(1, 300), rng.integers(1, 2**20, 2000)])[:, None]
+    q = np.concatenate([np.arange(20), rng.integers(0, 2**22, 200), [2**22 - 1]])
+    a = b * q + np.stack([0 * b, b // 2, b - 1])
+    fits = a < 2**32
+    found = probe("divide", np.where(fits, a, 0), b, level="standard")
+    assert (found == np.where(fits, q, 0)).all()
+
+
 @pytest.mark.parametrize("samples", [1, 2, 3, 4, 5, 7, 12, 16, 33, 64])
 def test_samples_are_one_to_a_cell(samples: int) -> None:
     """Cells of equal areas that cover the pixel, each with its sample, whatever the pixel."""
     x, y = np.meshgrid(np.arange(8), np.arange(5) * 1000)
     index = np.arange(samples)
-    place = probe("place_sample", x[..., None], y[..., None], index, samples, 1.0)
-    centre = probe("place_sample", x[..., None], y[..., None], index, samples, 0.0)
-    assert (np.diff(centre.x.reshape(-1, samples), axis=0) == 0).all()
+    place_x, place_y = places(x[..., None], y[..., None], index, samples, 1.0)
+    centre_x, centre_y = places(x[..., None], y[..., None], index, samples, 0.0)
+    assert (np.diff(centre_x.reshape(-1, samples), axis=0) == 0).all()
     rows = int(np.sqrt(samples))
     row = (index * rows + rows - 1) // samples
     count = np.bincount(row)
@@ -148,22 +164,22 @@ def test_samples_are_one_to_a_cell(samples: int) -> None:
     low_y, height = first[row] / samples, count[row] / samples
     assert np.allclose(width * height, 1 / samples)
     tiny = 1e-6
-    assert ((place.x >= low_x - tiny) & (place.x <= low_x + width + tiny)).all()
-    assert ((place.y >= low_y - tiny) & (place.y <= low_y + height + tiny)).all()
-    assert abs(centre.x - (low_x + width / 2)).max() < tiny
-    assert abs(centre.y - (low_y + height / 2)).max() < tiny
+    assert ((place_x >= low_x - tiny) & (place_x <= low_x + width + tiny)).all()
+    assert ((place_y >= low_y - tiny) & (place_y <= low_y + height + tiny)).all()
+    assert abs(centre_x - (low_x + width / 2)).max() < tiny
+    assert abs(centre_y - (low_y + height / 2)).max() < tiny
     if samples > 1:
-        assert len(np.unique(place.x)) > 30 * samples  # jittered, pixel by pixel
-    assert ((place.x >= 0) & (place.x <= 1) & (place.y >= 0) & (place.y <= 1)).all()
+        assert len(np.unique(place_x)) > 30 * samples  # jittered, pixel by pixel
+    assert ((place_x >= 0) & (place_x <= 1) & (place_y >= 0) & (place_y <= 1)).all()
 
 
 def test_jitter_is_uniform() -> None:
     x, y = np.meshgrid(np.arange(200), np.arange(200))
-    place = probe("place_sample", x, y, 1, 4, 1.0)
-    for values in (place.x % 0.5 * 2, place.y % 0.5 * 2):
+    place_x, place_y = places(x, y, 1, 4, 1.0)
+    for values in (place_x % 0.5 * 2, place_y % 0.5 * 2):
         counts = np.histogram(values, 20, (0, 1))[0]
         assert abs(counts - 2000).max() < 5 * np.sqrt(2000)
-    assert abs(np.corrcoef(place.x.ravel(), place.y.ravel())[0, 1]) < 0.02
+    assert abs(np.corrcoef(place_x.ravel(), place_y.ravel())[0, 1]) < 0.02
 
 
 @pytest.mark.parametrize("level", LEVELS)

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import TRIANGLE, WAYS, WIDTH, Shapes, cross, only, point_on, random_shapes, ray, unit, units
+from blocks import WIDTH
+from shapes import TRIANGLE, WAYS, Shapes, cross, only, point_on, random_shapes, ray, unit, units
 
 import feeler
 

@@ -30,6 +30,7 @@ class Kind:
 KINDS = {
     "reals": Kind("reals", "real", lanes=True),
     "ints": Kind("ints", "integer", lanes=True),
+    "uints": Kind("uints", "uint", lanes=True),
     "integer": Kind("integer", "integer"),
     "bool": Kind("int", "int"),
     "long": Kind("long", "long"),

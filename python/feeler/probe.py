@@ -28,7 +28,7 @@ def probe(
     Each argument has a leading shape, and they broadcast against each other as numpy's do; the function runs once per
     element. After the leading shape come the type's own numbers:
 
-        real, int, uint, bool, reals, ints      (…)
+        real, int, uint, bool, reals, ints, …   (…)
         real4, uint4                            (…, 4)
         vectors                                 (…, 3)
         a struct of one type of numbers         (…, its numbers), such as (…, 12) for a sphere; or as the next
