@@ -41,8 +41,10 @@ void add_samples(pixel_sum sums[PIXELS], const tree_sum *tree, ints active) {
 }
 
 // One pixel per work-item, or PIXELS; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
-kernel void render(SCENE_PARAMETERS, global const view *views, global const int *eye_media, const launch frame,
-                   global real4 *pixels, global real4 *discarded, global tally *tallies) {
+kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, global const view *views,
+                                                         global const int *eye_media, const launch frame,
+                                                         global real4 *pixels, global real4 *discarded,
+                                                         global tally *tallies) {
     const uint x = frame.tile.x + get_global_id(0) * PIXELS_X, y = frame.tile.y + get_global_id(1) * PIXELS_Y;
     if (x >= frame.tile.z || y >= frame.tile.w)
         return;
@@ -80,7 +82,8 @@ kernel void render(SCENE_PARAMETERS, global const view *views, global const int 
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been
 // entered. One work-item.
-kernel void find_eye_media(SCENE_PARAMETERS, global const view *views, const launch frame, global int *eye_media) {
+kernel __attribute__((vec_type_hint(reals))) void find_eye_media(SCENE_PARAMETERS, global const view *views,
+                                                                 const launch frame, global int *eye_media) {
     const scene s = SCENE_ARGUMENTS;
     for (int i = 0; i < MEDIA; i++)
         eye_media[i] = -1;
