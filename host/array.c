@@ -9,29 +9,34 @@
 /* Indices on the device are 32 bit, and lanes hold them signed. */
 #define MOST_ELEMENTS ((size_t)INT32_MAX)
 
+/* Room for `count` more elements, and unless `exact` for as many again as there are. */
+static int make_room(array *a, size_t count, bool exact, feeler_error *error) {
+    if (count > MOST_ELEMENTS - a->count)
+        return fail(error, FEELER_BAD_INPUT, "too many %s: a scene can hold %zu", a->name, MOST_ELEMENTS);
+    size_t capacity = exact ? 0 : a->capacity ? a->capacity * 2 : 16;
+    if (a->data && a->count + count <= a->capacity)
+        return 0;
+    if (capacity < a->count + count)
+        capacity = a->count + count;
+    void *data = realloc(a->data, (capacity ? capacity : 1) * a->element);
+    if (!data)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu %s", capacity, a->name);
+    a->data = data;
+    a->capacity = capacity;
+    return 0;
+}
+
 void *array_add(array *a, size_t count, feeler_error *error) {
-    if (count == 0 && !a->data)
-        return array_add(a, 1, error) ? (a->count = 0, a->data) : NULL;
-    if (count > MOST_ELEMENTS - a->count) {
-        fail(error, FEELER_BAD_INPUT, "too many %s: a scene can hold %zu", a->name, MOST_ELEMENTS);
+    if (make_room(a, count, false, error) < 0)
         return NULL;
-    }
-    if (a->count + count > a->capacity) {
-        size_t capacity = a->capacity ? a->capacity * 2 : 16;
-        if (capacity < a->count + count)
-            capacity = a->count + count;
-        void *data = realloc(a->data, capacity * a->element);
-        if (!data) {
-            fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu %s", capacity, a->name);
-            return NULL;
-        }
-        a->data = data;
-        a->capacity = capacity;
-    }
     char *place = (char *)a->data + a->count * a->element;
     memset(place, 0, count * a->element);
     a->count += count;
     return place;
+}
+
+int array_reserve(array *a, size_t count, feeler_error *error) {
+    return make_room(a, count, true, error);
 }
 
 float *narrow(const void *doubles, size_t count, feeler_error *error) {

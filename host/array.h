@@ -17,6 +17,10 @@ typedef struct array {
 /* The place of `count` new elements, zeroed; NULL when out of memory (never for 0 elements otherwise). */
 void *array_add(array *array, size_t count, feeler_error *error);
 
+/* Room for `count` more elements, none of them touched: what is never written takes no memory. The caller counts those that
+ * it writes. */
+int array_reserve(array *array, size_t count, feeler_error *error);
+
 /* `count` doubles as floats; to be freed. */
 float *narrow(const void *doubles, size_t count, feeler_error *error);
 

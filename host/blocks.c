@@ -7,9 +7,17 @@ bounds empty_bounds(void) {
     return (bounds){{INFINITY, INFINITY, INFINITY, 0}, {-INFINITY, -INFINITY, -INFINITY, 0}};
 }
 
+/* Not fmin and fmax: these are calls, and nothing here is not a number. */
+static real least(real a, real b) {
+    return a < b ? a : b;
+}
+static real greatest(real a, real b) {
+    return a > b ? a : b;
+}
+
 bounds join(bounds a, bounds b) {
-    return (bounds){{fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z), 0},
-                    {fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z), 0}};
+    return (bounds){{least(a.low.x, b.low.x), least(a.low.y, b.low.y), least(a.low.z, b.low.z), 0},
+                    {greatest(a.high.x, b.high.x), greatest(a.high.y, b.high.y), greatest(a.high.z, b.high.z), 0}};
 }
 
 bounds primitive_bounds(const packed *p, size_t number) {
@@ -141,14 +149,6 @@ bounds numbers_bounds(const packed *p, const uint32_t *numbers, size_t count) {
     return box;
 }
 
-/* Room first, so that nothing fails on the way. */
-int reserve(array *a, size_t count, feeler_error *error) {
-    if (!array_add(a, count, error))
-        return -1;
-    a->count = 0;
-    return 0;
-}
-
 /* Fields that all bounded primitives together have; each is alone in its block at worst. */
 static size_t count_rows(const packed *p) {
     const array *a = p->arrays;
@@ -158,9 +158,9 @@ static size_t count_rows(const packed *p) {
 }
 
 int reserve_blocks(packed *p, feeler_error *error) {
-    if (reserve(&p->arrays[ARRAY_BLOCKS], count_rows(p), error) < 0)
+    if (array_reserve(&p->arrays[ARRAY_BLOCKS], count_rows(p), error) < 0)
         return -1;
-    return reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], p->bounded * WIDTH, error);
+    return array_reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], p->bounded * WIDTH, error);
 }
 
 /* Without a tree: blocks of neighbours in the list. */

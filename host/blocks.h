@@ -14,7 +14,6 @@ bounds join(bounds a, bounds b);
 bounds numbers_bounds(const packed *packed, const uint32_t *numbers, size_t count);
 
 /* Room first, so that nothing fails on the way. */
-int reserve(array *array, size_t count, feeler_error *error);
 int reserve_blocks(packed *packed, feeler_error *error);
 
 /* Sorts primitives' numbers so that those that may share a block are neighbours; returns how many groups there are. */

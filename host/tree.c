@@ -51,11 +51,13 @@ static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuil
 }
 
 static float lower(double x) {
-    return nextafterf((float)x, -INFINITY);
+    float near = (float)x;
+    return (double)near <= x ? near : nextafterf(near, -INFINITY);
 }
 
 static float upper(double x) {
-    return nextafterf((float)x, INFINITY);
+    float near = (float)x;
+    return (double)near >= x ? near : nextafterf(near, INFINITY);
 }
 
 static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_t *order, feeler_error *error) {
@@ -164,8 +166,8 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
         fail(error,
              device && rtcGetDeviceError(device) != RTC_ERROR_OUT_OF_MEMORY ? FEELER_DEVICE : FEELER_OUT_OF_MEMORY,
              "Embree could not build a tree over %zu primitives", p->bounded);
-    else if (reserve(&p->arrays[ARRAY_NODES], p->bounded + 1, error) == 0 &&
-             reserve(&p->arrays[ARRAY_LINKS], WIDTH * (p->bounded + 1), error) == 0) {
+    else if (array_reserve(&p->arrays[ARRAY_NODES], p->bounded + 1, error) == 0 &&
+             array_reserve(&p->arrays[ARRAY_LINKS], WIDTH * (p->bounded + 1), error) == 0) {
         size_t top;
         flatten(p, root, &top);
         status = 0;
