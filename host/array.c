@@ -39,13 +39,7 @@ int array_reserve(array *a, size_t count, feeler_error *error) {
     return make_room(a, count, true, error);
 }
 
-float *narrow(const void *doubles, size_t count, feeler_error *error) {
-    float *floats = malloc((count ? count : 1) * sizeof *floats);
-    if (!floats) {
-        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu numbers", count);
-        return NULL;
-    }
+void narrow(const double *doubles, float *floats, size_t count) {
     for (size_t i = 0; i < count; i++)
-        floats[i] = (float)((const double *)doubles)[i];
-    return floats;
+        floats[i] = (float)doubles[i];
 }

@@ -21,7 +21,7 @@ void *array_add(array *array, size_t count, feeler_error *error);
  * it writes. */
 int array_reserve(array *array, size_t count, feeler_error *error);
 
-/* `count` doubles as floats; to be freed. */
-float *narrow(const void *doubles, size_t count, feeler_error *error);
+/* Rounds `count` doubles to floats. */
+void narrow(const double *doubles, float *floats, size_t count);
 
 #endif
