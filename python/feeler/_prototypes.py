@@ -1,8 +1,8 @@
 """A small reader of the kernels' source: its struct types and the prototypes of its functions.
 
 It knows the kernels' habits, not OpenCL C: a function's definition begins with its type at column 0, a struct is a
-`typedef struct { … } name;`, and neither is made by a macro. A plain `#if NAME` may leave out members of a struct; else what
-`#if` leaves out is read too, and of two definitions of a name the first counts.
+`typedef struct { … } name;`, and neither is made by a macro. A plain `#if NAME` may leave out members of a struct; else
+what `#if` leaves out is read too, and of two definitions of a name the first counts.
 """
 
 from __future__ import annotations
@@ -105,7 +105,9 @@ def read_prototypes(source: str, options: str) -> Prototypes:
         macros={name: int(value) for text in (_DEFINE.findall(code), _OPTION.findall(options)) for name, value in text}
     )
     attributes = "|".join(_ATTRIBUTE.findall(code))
-    code = _STRUCT.sub(lambda struct: _MEMBERS.sub(lambda m: m[2] if found.macros.get(m[1], 1) else "", struct[0]), code)
+    code = _STRUCT.sub(
+        lambda struct: _MEMBERS.sub(lambda m: m[2] if found.macros.get(m[1], 1) else "", struct[0]), code
+    )
     code = _DIRECTIVE.sub("", code)
     if attributes:
         code = re.sub(rf"\b(?:{attributes})\b[ \t]*", "", code)
