@@ -235,6 +235,8 @@ def test_an_ellipsoid_is_its_quadric(level: str, seed: int) -> None:
     gradient = q @ e.to_object.astype(np.longdouble)
     normal = unit(gradient)
     assert (length(s.normal - normal)[clear] < 3000 * UNIT[level]).all()
+    where = origin + expected[:, None] * direction
+    assert (length(s.point - where)[clear] < 8000 * UNIT[level] * scale[clear]).all()
     off = abs(length(q) - 1) / length(gradient)
     assert (off <= dot(abs(normal), s.error))[found].all(), "the point is within its bound of the surface"
 
@@ -258,7 +260,8 @@ def test_a_stretched_sphere_is_an_instance() -> None:
 
 def test_nested_groups_are_flattened() -> None:
     ball: dict[str, Any] = {"sphere": {"radius": 0.5}}
-    right, up = {"translate": [1, 0, 0]}, {"translate": [0, 0.5, 0]}
+    right: dict[str, Any] = {"translate": [1, 0, 0]}
+    up: dict[str, Any] = {"scale": [1, 0.5, 0.25]}
     nested = {
         "pair": [{"instance": "one"}, {"instance": "one", "transform": right, "material": "red"}],
         "one": [ball],
