@@ -42,8 +42,8 @@ static int check_settings(const feeler_settings *s, feeler_error *error) {
         return fail(error, FEELER_BAD_USAGE, "%d lanes: 1, 2, 4, 8 or 16 are possible", s->lanes);
     if (s->work_group[0] < 0 || s->work_group[1] < 0 || !s->work_group[0] != !s->work_group[1])
         return fail(error, FEELER_BAD_USAGE, "a work group of %d x %d", s->work_group[0], s->work_group[1]);
-    int pixels = s->pixels[0] * s->pixels[1];
-    if (s->pixels[0] < 1 || s->pixels[1] < 1 || pixels > s->lanes || s->lanes % pixels)
+    double pixels = (double)s->pixels[0] * s->pixels[1];
+    if (s->pixels[0] < 1 || s->pixels[1] < 1 || pixels > s->lanes || s->lanes % (int)pixels)
         return fail(error, FEELER_BAD_USAGE, "%d x %d pixels for %d lanes: powers of two, together at most as many",
                     s->pixels[0], s->pixels[1], s->lanes);
     if (s->tile < 0)
@@ -53,7 +53,7 @@ static int check_settings(const feeler_settings *s, feeler_error *error) {
 
 /* A ray on its own meets the eight children of a node at a time; rays together fill a vector of 64 bytes. */
 static int choose_lanes(const feeler_settings *s) {
-    int rays = s->samples * s->pixels[0] * s->pixels[1];
+    double rays = (double)s->samples * s->pixels[0] * s->pixels[1];
     return rays <= 8 || s->level == FEELER_REFERENCE ? 8 : 16;
 }
 

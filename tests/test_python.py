@@ -218,7 +218,8 @@ def test_what_cannot_be_saved_is_an_error(scene: feeler.Scene, tmp_path: Path, n
         {"size": (0, 0)}, {"size": (4,)}, {"size": 4}, {"size": (4.5, 4)}, {"size": (1 << 40, 4)}, {"samples": 0},
         {"samples": "4"}, {"jitter": -1}, {"jitter": float("nan")}, {"jitter": 2.0}, {"depth": 0}, {"cutoff": 1.5},
         {"level": "best"}, {"region": (3, 3, 3, 5)}, {"region": (0, 0, 0, 0)}, {"region": (0, 0, 99, 99)},
-        {"lanes": 3}, {"work_group": (0, 1)}, {"device": "no such device"}, {"device": 99},
+        {"lanes": 3}, {"work_group": (0, 1)}, {"pixels": (3, 1)}, {"pixels": (65536, 65536)},
+        {"device": "no such device"}, {"device": 99},
     ],
 )  # fmt: skip
 def test_wrong_settings_are_errors(scene: feeler.Scene, settings: dict[str, Any]) -> None:
