@@ -85,10 +85,7 @@ def test_times_of_a_queue(scene: feeler.Scene, queue: Any, profiling: bool) -> N
 
     properties = cl.command_queue_properties.PROFILING_ENABLE if profiling else 0
     own = cl.CommandQueue(queue.context, properties=properties)
-    kernel = []
     for tile in (64, None):
         seconds = scene.render(queue=own, tile=tile, size=(96, 72)).stats["seconds"]
         assert 0 <= seconds["trace"] <= seconds["total"], (tile, seconds)
         assert 0 < seconds["kernel"] <= seconds["trace"] if profiling else seconds["kernel"] is None, (tile, seconds)
-        kernel.append(seconds["kernel"])
-    assert not profiling or kernel[0] > 0.2 * kernel[1], "the sum of many launches is near the time of one"
