@@ -62,11 +62,12 @@ static launch make_launch(const job *j, const tile *t) {
 }
 
 int clear_eye_media(const job *j, feeler_error *error) {
-    const cl_int none = -1;
-    size_t size = (size_t)j->needs.media * sizeof none;
-    cl_int status =
-        clEnqueueFillBuffer(j->device->queue, j->upload.eye_media, &none, sizeof none, 0, size, 0, NULL, NULL);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueFillBuffer", status);
+    cl_int none[MOST_MEDIA];
+    for (int i = 0; i < MOST_MEDIA; i++)
+        none[i] = -1;
+    size_t size = (size_t)j->needs.media * sizeof *none;
+    cl_int status = clEnqueueWriteBuffer(j->device->queue, j->upload.eye_media, CL_TRUE, 0, size, none, 0, NULL, NULL);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueWriteBuffer", status);
 }
 
 int find_eye_media(const job *j, feeler_error *error) {
