@@ -43,23 +43,13 @@ static bake prepare(const matrix *m) {
 }
 
 static vec3 point(const bake *b, vec3 p) {
-    const double(*m)[4] = b->matrix->m;
-    return (vec3){m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3],
-                  m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3],
-                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3]};
+    return matrix_apply(b->matrix, p);
 }
 
 static vec3 normal(const bake *b, vec3 n) {
     vec3 turned = {vec_dot(b->cofactors[0], n), vec_dot(b->cofactors[1], n), vec_dot(b->cofactors[2], n)};
     vec_normalize(&turned);
     return turned;
-}
-
-static int need_similar(const bake *b, const scene_object *object, const char *what, feeler_error *error) {
-    return b->similar
-               ? 0
-               : fail_at(error, FEELER_BAD_INPUT, object->place,
-                         "a non-uniform transform of a %s needs an instance, which feeler does not have yet", what);
 }
 
 static void swap_points(vec3 *a, vec3 *b) {
@@ -155,23 +145,19 @@ static int bake_box(const bake *b, scene_object *object, feeler_error *error) {
     return 0;
 }
 
-static int bake_cone(const bake *b, scene_object *object, feeler_error *error) {
-    bool cylinder = object->cone.base_radius == object->cone.top_radius;
-    if (need_similar(b, object, cylinder ? "cylinder" : "cone", error) != 0)
-        return -1;
+static void bake_cone(const bake *b, scene_object *object) {
     object->cone.base = point(b, object->cone.base);
     object->cone.top = point(b, object->cone.top);
     object->cone.base_radius *= b->scale;
     object->cone.top_radius *= b->scale;
-    return 0;
 }
 
 int transform_object(const matrix *matrix, scene_object *object, feeler_error *error) {
     bake b = prepare(matrix);
     switch (object->shape) {
     case SHAPE_SPHERE:
-        if (need_similar(&b, object, "sphere", error) != 0)
-            return -1;
+        if (!b.similar)
+            return 1;
         object->sphere.centre = point(&b, object->sphere.centre);
         object->sphere.radius *= b.scale;
         return 0;
@@ -180,8 +166,8 @@ int transform_object(const matrix *matrix, scene_object *object, feeler_error *e
         object->plane.normal = normal(&b, object->plane.normal);
         return 0;
     case SHAPE_DISC:
-        if (need_similar(&b, object, "disc", error) != 0)
-            return -1;
+        if (!b.similar)
+            return 1;
         object->disc.centre = point(&b, object->disc.centre);
         object->disc.normal = normal(&b, object->disc.normal);
         object->disc.radius *= b.scale;
@@ -195,9 +181,15 @@ int transform_object(const matrix *matrix, scene_object *object, feeler_error *e
         bake_polygon(&b, object);
         return 0;
     case SHAPE_CONE:
-        return bake_cone(&b, object, error);
+        if (!b.similar)
+            return 1;
+        bake_cone(&b, object);
+        return 0;
     case SHAPE_MESH:
         bake_mesh(&b, &object->mesh);
+        return 0;
+    case SHAPE_INSTANCE:
+        object->instance.matrix = matrix_multiply(matrix, &object->instance.matrix);
         return 0;
     }
     return 0;

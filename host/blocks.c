@@ -39,6 +39,8 @@ bounds primitive_bounds(const packed *p, size_t number) {
         const real4 *v = p->arrays[ARRAY_VERTICES].data;
         return join(join((bounds){v[t.x], v[t.x]}, (bounds){v[t.y], v[t.y]}), (bounds){v[t.z], v[t.z]});
     }
+    case KIND_INSTANCE:
+        return ((const instance *)p->arrays[ARRAY_INSTANCES].data)[index].bounds;
     default:
         return empty_bounds();
     }
@@ -51,7 +53,12 @@ static uint32_t tag_of(const packed *p, uint32_t number) {
     return primitive.x << TAG_KIND | flags << TAG_FLAGS;
 }
 
-/* Sorts by tag, then by number; returns how many tags there are. */
+/* Instances are met one by one. */
+static bool share_block(const packed *p, uint32_t a, uint32_t b) {
+    return tag_of(p, a) == tag_of(p, b) && tag_of(p, a) >> TAG_KIND != KIND_INSTANCE;
+}
+
+/* Sorts by tag, then by number; returns how many groups there are. */
 size_t group_by_tag(const packed *p, uint32_t *numbers, size_t count) {
     size_t groups = count > 0;
     for (size_t i = 1; i < count; i++)
@@ -63,14 +70,13 @@ size_t group_by_tag(const packed *p, uint32_t *numbers, size_t count) {
             numbers[k - 1] = swap;
         }
     for (size_t i = 1; i < count; i++)
-        groups += tag_of(p, numbers[i]) != tag_of(p, numbers[i - 1]);
+        groups += !share_block(p, numbers[i], numbers[i - 1]);
     return groups;
 }
 
-/* How many of the numbers, from the first on, share its tag. */
 size_t run_length(const packed *p, const uint32_t *numbers, size_t count) {
     size_t n = 1;
-    while (n < count && tag_of(p, numbers[n]) == tag_of(p, numbers[0]))
+    while (n < count && share_block(p, numbers[n], numbers[0]))
         n++;
     return n;
 }
@@ -81,7 +87,7 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[ROWS_CO
     bounds b = primitive_bounds(p, number);
     size_t n = 0;
 #define PUT3(v) (fields[n++] = (v).x, fields[n++] = (v).y, fields[n++] = (v).z)
-    if (primitive.x != KIND_TRIANGLE) {
+    if (primitive.x != KIND_TRIANGLE && primitive.x != KIND_INSTANCE) {
         PUT3(b.low);
         PUT3(b.high);
     }
@@ -149,41 +155,32 @@ bounds numbers_bounds(const packed *p, const uint32_t *numbers, size_t count) {
     return box;
 }
 
-/* Fields that all bounded primitives together have; each is alone in its block at worst. */
-static size_t count_rows(const packed *p) {
-    const array *a = p->arrays;
-    return a[ARRAY_SPHERES].count * ROWS_SPHERE + a[ARRAY_DISCS].count * ROWS_DISC + a[ARRAY_BOXES].count * ROWS_BOX +
-           a[ARRAY_TRIANGLES].count * ROWS_TRIANGLE + a[ARRAY_POLYGONS].count * ROWS_POLYGON +
-           a[ARRAY_CONES].count * ROWS_CONE;
+/* Rows that the primitives take; each is alone in its block at worst. */
+static size_t count_rows(const packed *p, const uint32_t *numbers, size_t count) {
+    static const uint8_t rows[] = {
+        [KIND_SPHERE] = ROWS_SPHERE,   [KIND_DISC] = ROWS_DISC, [KIND_BOX] = ROWS_BOX, [KIND_TRIANGLE] = ROWS_TRIANGLE,
+        [KIND_POLYGON] = ROWS_POLYGON, [KIND_CONE] = ROWS_CONE, [KIND_INSTANCE] = 0,
+    };
+    size_t sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += rows[((const uint4 *)p->arrays[ARRAY_PRIMITIVES].data)[numbers[i]].x];
+    return sum;
 }
 
-int reserve_blocks(packed *p, feeler_error *error) {
-    if (array_reserve(&p->arrays[ARRAY_BLOCKS], count_rows(p), error) < 0)
+int reserve_blocks(packed *p, const uint32_t *numbers, size_t count, feeler_error *error) {
+    if (array_reserve(&p->arrays[ARRAY_BLOCKS], count_rows(p, numbers, count), error) < 0)
         return -1;
-    return array_reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], p->bounded * WIDTH, error);
+    return array_reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], count * WIDTH, error);
 }
 
-/* Without a tree: blocks of neighbours in the list. */
-int list_blocks(packed *p, const uint32_t *numbers, feeler_error *error) {
-    for (size_t i = 0, n; i < p->bounded; i += n) {
-        n = run_length(p, numbers + i, p->bounded - i);
+int list_blocks(packed *p, const uint32_t *numbers, size_t count, feeler_error *error) {
+    for (size_t i = 0, n; i < count; i += n) {
+        n = run_length(p, numbers + i, count - i);
         n = n < WIDTH ? n : WIDTH;
         link *l = array_add(&p->arrays[ARRAY_LINKS], 1, error);
         if (!l)
             return -1;
         *l = add_block(p, numbers + i, n);
     }
-    return 0;
-}
-
-int list_planes(packed *p, feeler_error *error) {
-    const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
-    for (size_t i = 0; i < p->arrays[ARRAY_PRIMITIVES].count; i++)
-        if (primitives[i].x == KIND_PLANE) {
-            uint32_t *number = array_add(&p->arrays[ARRAY_BLOCK_NUMBERS], 1, error);
-            if (!number)
-                return -1;
-            *number = (uint32_t)i;
-        }
     return 0;
 }

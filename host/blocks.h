@@ -13,8 +13,8 @@ bounds empty_bounds(void);
 bounds join(bounds a, bounds b);
 bounds numbers_bounds(const packed *packed, const uint32_t *numbers, size_t count);
 
-/* Room first, so that nothing fails on the way. */
-int reserve_blocks(packed *packed, feeler_error *error);
+/* Room first, so that nothing fails on the way: for the blocks of so many more primitives. */
+int reserve_blocks(packed *packed, const uint32_t *numbers, size_t count, feeler_error *error);
 
 /* Sorts primitives' numbers so that those that may share a block are neighbours; returns how many groups there are. */
 size_t group_by_tag(const packed *packed, uint32_t *numbers, size_t count);
@@ -24,8 +24,6 @@ size_t run_length(const packed *packed, const uint32_t *numbers, size_t count);
 link add_block(packed *packed, const uint32_t *numbers, size_t count);
 
 /* Blocks of neighbours in the list, each with a link; for scenes without a tree. */
-int list_blocks(packed *packed, const uint32_t *numbers, feeler_error *error);
-/* The planes' numbers, after the blocks'. */
-int list_planes(packed *packed, feeler_error *error);
+int list_blocks(packed *packed, const uint32_t *numbers, size_t count, feeler_error *error);
 
 #endif

@@ -11,6 +11,7 @@ const char *const feature_names[FEATURE_COUNT] = {
     "triangle",
     "polygon",
     "cone",
+    "instance",
     "smooth",
     "one_sided",
     "diffuse",
@@ -49,7 +50,7 @@ static uint32_t shape_features(const scene_object *object) {
     static const feature kinds[] = {
         [SHAPE_SPHERE] = FEATURE_SPHERE, [SHAPE_PLANE] = FEATURE_PLANE,       [SHAPE_DISC] = FEATURE_DISC,
         [SHAPE_BOX] = FEATURE_BOX,       [SHAPE_TRIANGLE] = FEATURE_TRIANGLE, [SHAPE_POLYGON] = FEATURE_POLYGON,
-        [SHAPE_CONE] = FEATURE_CONE,     [SHAPE_MESH] = FEATURE_TRIANGLE,
+        [SHAPE_CONE] = FEATURE_CONE,     [SHAPE_MESH] = FEATURE_TRIANGLE,     [SHAPE_INSTANCE] = FEATURE_INSTANCE,
     };
     bool smooth = (object->shape == SHAPE_TRIANGLE && object->triangle.smooth) ||
                   (object->shape == SHAPE_MESH && object->mesh.normals);
@@ -67,11 +68,20 @@ static uint32_t material_features(const scene_material *m) {
            bit(FEATURE_PRIORITY, m->priority != 0 && !is_black(m->transmission));
 }
 
-static uint32_t scene_features(const feeler_scene *scene) {
+static uint32_t objects_features(const feeler_scene *scene, const scene_object *objects, size_t count) {
     uint32_t features = 0;
-    for (size_t i = 0; i < scene->object_count; i++)
-        features |=
-            shape_features(&scene->objects[i]) | material_features(&scene->materials[scene->objects[i].material]);
+    for (size_t i = 0; i < count; i++) {
+        features |= shape_features(&objects[i]);
+        if (objects[i].material >= 0)
+            features |= material_features(&scene->materials[objects[i].material]);
+    }
+    return features;
+}
+
+static uint32_t scene_features(const feeler_scene *scene) {
+    uint32_t features = objects_features(scene, scene->objects, scene->object_count);
+    for (size_t i = 0; i < scene->group_count; i++)
+        features |= objects_features(scene, scene->groups[i].objects, scene->groups[i].object_count);
     bool transmits = features & bit(FEATURE_TRANSMISSION, true);
     /* Total internal reflection can leave a reflection where the material itself asks for none. */
     features |= bit(FEATURE_REFLECTION, features & bit(FEATURE_TOTAL_REFLECTION, true));

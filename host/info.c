@@ -9,7 +9,7 @@
 
 static json_t *primitives_json(const packed *p) {
     static const packed_array kinds[] = {ARRAY_SPHERES,   ARRAY_PLANES,   ARRAY_DISCS, ARRAY_BOXES,
-                                         ARRAY_TRIANGLES, ARRAY_POLYGONS, ARRAY_CONES};
+                                         ARRAY_TRIANGLES, ARRAY_POLYGONS, ARRAY_CONES, ARRAY_INSTANCES};
     json_t *json = json_object();
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (p->arrays[kinds[i]].count)

@@ -34,13 +34,15 @@ const schema_key scene_keys[] = {NODE("camera", SCENE_CAMERA),
                                  BOOL("filtered_shadows", feeler_scene, filtered_shadows, 0),
                                  NODE("lights", SCENE_LIGHTS),
                                  NODE("materials", SCENE_MATERIALS),
+                                 NODE("groups", SCENE_GROUPS),
                                  NODE("objects", SCENE_OBJECTS),
                                  NODE("include", SCENE_INCLUDE),
                                  END};
 
 /* A file that another includes. */
-const schema_key included_keys[] = {NODE("lights", SCENE_LIGHTS), NODE("materials", SCENE_MATERIALS),
-                                    NODE("objects", SCENE_OBJECTS), NODE("include", SCENE_INCLUDE), END};
+const schema_key included_keys[] = {NODE("lights", SCENE_LIGHTS),   NODE("materials", SCENE_MATERIALS),
+                                    NODE("groups", SCENE_GROUPS),   NODE("objects", SCENE_OBJECTS),
+                                    NODE("include", SCENE_INCLUDE), END};
 
 const schema_key camera_keys[] = {POINT("eye", scene_camera, eye, 0, {0, 0, 10}),
                                   POINT("look_at", scene_camera, look_at, 0, {0, 0, 0}),
@@ -88,6 +90,7 @@ const schema_key object_keys[] = {
     NODE("cylinder", OBJECT_CYLINDER),
     NODE("cone", OBJECT_CONE),
     NODE("mesh", OBJECT_MESH),
+    NODE("instance", OBJECT_INSTANCE),
     NODE("material", OBJECT_MATERIAL),
     {"sides", KEY_CHOICE, offsetof(scene_object, sides), 0, 2, {BOTH_SIDES}, 0, side_names},
     NODE("transform", OBJECT_TRANSFORM),

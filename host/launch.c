@@ -52,13 +52,12 @@ static cl_uint bind_scene(cl_kernel kernel, const upload *u, cl_int *status) {
 
 static launch make_launch(const job *j, const tile *t) {
     const array *arrays = j->packed.arrays;
-    size_t planes = arrays[ARRAY_PRIMITIVES].count - j->packed.bounded;
     return (launch){
         .tile = {(uint32_t)t->x0, (uint32_t)t->y0, (uint32_t)t->x1, (uint32_t)t->y1},
         .frame = {(uint32_t)j->settings.width, (uint32_t)j->settings.height, (uint32_t)j->settings.samples,
                   (uint32_t)j->settings.depth},
-        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.blocks, (uint32_t)arrays[ARRAY_NODES].count,
-                  (uint32_t)planes},
+        .count = {(uint32_t)arrays[ARRAY_LIGHTS].count, (uint32_t)j->packed.own_blocks,
+                  (uint32_t)arrays[ARRAY_NODES].count, (uint32_t)j->packed.planes},
     };
 }
 

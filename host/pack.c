@@ -20,6 +20,8 @@ static const array empty_arrays[ARRAY_COUNT] = {
     [ARRAY_POLYGON_RANGES] = {.name = "polygon_ranges", .element = sizeof(uint4)},
     [ARRAY_CORNERS] = {.name = "corners", .element = WIDTH * sizeof(real), .is_real = true},
     [ARRAY_CONES] = {.name = "cones", .element = sizeof(cone), .is_real = true},
+    [ARRAY_INSTANCES] = {.name = "instances", .element = sizeof(instance), .is_real = true},
+    [ARRAY_INSTANCE_ROOTS] = {.name = "instance_roots", .element = sizeof(uint4)},
     [ARRAY_NODES] = {.name = "nodes", .element = sizeof(node), .is_real = true},
     [ARRAY_LINKS] = {.name = "links", .element = 2 * sizeof(uint32_t)},
     [ARRAY_BLOCKS] = {.name = "blocks", .element = WIDTH * sizeof(real), .is_real = true},
@@ -28,12 +30,11 @@ static const array empty_arrays[ARRAY_COUNT] = {
     [ARRAY_LIGHTS] = {.name = "lights", .element = sizeof(light), .is_real = true},
 };
 
-/* A number as the device will have it. */
-static double rounded(const packed *p, double x) {
+double rounded(const packed *p, double x) {
     return p->is_double ? x : (double)(float)x;
 }
 
-static real4 pack4(const packed *p, vec3 v, double w) {
+real4 pack4(const packed *p, vec3 v, double w) {
     return (real4){rounded(p, v.x), rounded(p, v.y), rounded(p, v.z), rounded(p, w)};
 }
 
@@ -45,9 +46,8 @@ static vec3 xyz(real4 v) {
     return (vec3){v.x, v.y, v.z};
 }
 
-/* A box around [low, high], wider by what rounding may have taken: relative to its own size and place, so that a scaled
- * scene's box is the scaled box. */
-static bounds pack_bounds(const packed *p, vec3 low, vec3 high) {
+/* Relative to its own size and place, so that a scaled scene's box is the scaled box. */
+bounds pack_bounds(const packed *p, vec3 low, vec3 high) {
     double unit = p->is_double ? 0x1p-51 : 0x1p-22;
     vec3 size = vec_subtract(high, low);
     double extent = vec_extent(size);
@@ -257,7 +257,13 @@ static int pack_cone(packed *p, const scene_object *object, feeler_error *error)
     return 0;
 }
 
-static int pack_object(packed *p, const feeler_scene *scene, const scene_object *object, feeler_error *error) {
+/* A place for it: what it is takes the groups, see instances.c. */
+static int pack_instance(packed *p, const scene_object *object, feeler_error *error) {
+    instance *s = add_primitive(p, ARRAY_INSTANCES, KIND_INSTANCE, object, 0, error);
+    return s && array_add(&p->arrays[ARRAY_INSTANCE_ROOTS], 1, error) ? 0 : -1;
+}
+
+int pack_object(packed *p, const scene_object *object, bool transmits, feeler_error *error) {
     switch (object->shape) {
     case SHAPE_SPHERE:
         return pack_sphere(p, object, error);
@@ -274,7 +280,9 @@ static int pack_object(packed *p, const feeler_scene *scene, const scene_object 
     case SHAPE_CONE:
         return pack_cone(p, object, error);
     case SHAPE_MESH:
-        return pack_mesh(p, object, !is_black(scene->materials[object->material].transmission), error);
+        return pack_mesh(p, object, transmits, error);
+    case SHAPE_INSTANCE:
+        return pack_instance(p, object, error);
     }
     return fail(error, FEELER_BAD_INPUT, "an object of unknown shape");
 }
@@ -313,6 +321,19 @@ static int pack_lights(packed *p, const feeler_scene *scene, feeler_error *error
     return 0;
 }
 
+static int pack_objects(packed *p, const feeler_scene *scene, feeler_error *error) {
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const scene_object *object = &scene->objects[i];
+        bool transmits = object->material >= 0 && !is_black(scene->materials[object->material].transmission);
+        if (object->shape == SHAPE_INSTANCE && scene->groups[object->instance.group].object_count == 0)
+            continue; /* all of it was degenerate */
+        if (pack_object(p, object, transmits, error) < 0)
+            return -1;
+    }
+    p->own = p->arrays[ARRAY_PRIMITIVES].count;
+    return 0;
+}
+
 int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error) {
     memset(p, 0, sizeof *p);
     memcpy(p->arrays, empty_arrays, sizeof empty_arrays);
@@ -321,10 +342,11 @@ int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_
     int status = pack_materials(p, scene, error);
     if (status == 0)
         status = pack_lights(p, scene, error);
-    for (size_t i = 0; status == 0 && i < scene->object_count; i++)
-        status = pack_object(p, scene, &scene->objects[i], error);
+    status = status == 0 ? pack_objects(p, scene, error) : -1;
     if (status == 0)
-        status = build_tree(p, brute_force, error);
+        status = pack_groups(p, scene, error);
+    if (status == 0)
+        status = build_trees(p, brute_force, error);
     if (status < 0)
         packed_free(p);
     return status;
@@ -335,4 +357,6 @@ void packed_free(packed *p) {
         free(p->arrays[i].data);
         p->arrays[i].data = NULL;
     }
+    free(p->groups);
+    p->groups = NULL;
 }

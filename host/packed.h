@@ -24,6 +24,8 @@ typedef enum packed_array {
     ARRAY_POLYGON_RANGES,
     ARRAY_CORNERS,
     ARRAY_CONES,
+    ARRAY_INSTANCES,
+    ARRAY_INSTANCE_ROOTS,
     ARRAY_NODES,
     ARRAY_LINKS,
     ARRAY_BLOCKS,
@@ -42,6 +44,7 @@ typedef enum feature {
     FEATURE_TRIANGLE,
     FEATURE_POLYGON,
     FEATURE_CONE,
+    FEATURE_INSTANCE,
     FEATURE_SMOOTH,
     FEATURE_ONE_SIDED,
     FEATURE_DIFFUSE,
@@ -77,11 +80,21 @@ enum { MOST_MEDIA = 8 };
 /* What the scene needs, or with settings->general everything that the settings do not forbid. */
 needs choose_needs(const feeler_scene *scene, const feeler_settings *settings);
 
+/* A group's primitives, which come after the scene's own, and what is over them. */
+typedef struct packed_group {
+    size_t first, count;
+    vec3 origin;        /* of their coordinates, in the group's */
+    uint32_t root, end; /* its root's node and the next, or without a tree its links */
+} packed_group;
+
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
-    vec3 origin;    /* of the packed coordinates, in the scene's */
-    size_t bounded; /* primitives in blocks; the others are planes, whose numbers come after the blocks' */
+    vec3 origin; /* of the packed coordinates, in the scene's */
+    size_t own;  /* primitives that are not a group's */
+    packed_group *groups;
+    size_t group_count;
+    size_t own_blocks, planes; /* blocks of the scene's own primitives; the numbers of its planes come after theirs */
     size_t blocks;
     double tree_seconds;
 } packed;
@@ -95,11 +108,26 @@ bool is_black(vec3 colour);
 /* Where a scene's coordinates are moved to: the middle of what is bounded, if that is far from 0 for its size. */
 vec3 scene_origin(const feeler_scene *scene);
 
+/* The same for a group's coordinates in its own space. */
+vec3 origin_of_group(const scene_group *group);
+
+/* pack.c, for instances.c: a number or vector as the device will have it, and an object's primitives. `transmits`: whether it
+ * may bound a medium. */
+double rounded(const packed *packed, double x);
+real4 pack4(const packed *packed, vec3 v, double w);
+/* A box around [low, high], wider by what rounding may have taken. */
+bounds pack_bounds(const packed *packed, vec3 low, vec3 high);
+int pack_object(packed *packed, const scene_object *object, bool transmits, feeler_error *error);
+
+/* instances.c: packs the groups that are used, and finishes the scene's instances, which are the first `own` primitives'. */
+int pack_groups(packed *packed, const feeler_scene *scene, feeler_error *error);
+
 /* The box of the primitive with this number, as the device computes it. */
 bounds primitive_bounds(const packed *packed, size_t number);
 
-/* Puts the bounded primitives into blocks, and a tree over them: fills nodes, links, blocks and block numbers. */
-int build_tree(packed *packed, bool brute_force, feeler_error *error);
+/* Puts bounded primitives into blocks, and a tree over them, one for the scene and one for each group: fills nodes, links,
+ * blocks and block numbers. */
+int build_trees(packed *packed, bool brute_force, feeler_error *error);
 
 /* Whether the eye, in packed coordinates, is in the box of a solid. Else it is in no medium. */
 bool eye_may_be_inside(const packed *packed, real4 eye);

@@ -215,7 +215,7 @@ static int find_shape(const reader *reader, const feeler_node *node, const feele
     return found >= 0 ? found
                       : fail_node(reader, node_value(node),
                                   "an object needs a shape: sphere, plane, disc, box, triangle, "
-                                  "polygon, cylinder, cone or mesh");
+                                  "polygon, cylinder, cone, mesh or instance");
 }
 
 int read_object(reader *reader, const feeler_node *node) {
@@ -227,7 +227,8 @@ int read_object(reader *reader, const feeler_node *node) {
     int slot = find_shape(reader, node, nodes);
     if (slot < 0 || keep_place(reader, nodes[slot], &place) != 0)
         return -1;
-    bool own = slot == OBJECT_MESH; /* a mesh file has materials of its own */
+    bool instance = slot == OBJECT_INSTANCE;
+    bool own = slot == OBJECT_MESH || instance; /* a mesh file and a group have materials of their own */
     int material = nodes[OBJECT_MATERIAL] ? read_material_key(reader, nodes[OBJECT_MATERIAL])
                    : own                  ? -1
                                           : read_default_material(reader);
@@ -236,6 +237,10 @@ int read_object(reader *reader, const feeler_node *node) {
     matrix matrix = matrix_identity();
     if (nodes[OBJECT_TRANSFORM] && read_transform(reader, nodes[OBJECT_TRANSFORM], &matrix) != 0)
         return -1;
+    if (instance && common.sides != BOTH_SIDES)
+        return fail_node(reader, node_value(node), "an instance has the sides of its objects: it takes no 'sides'");
+    if (instance)
+        return read_instance(reader, nodes[slot], &matrix, material, place);
     feeler_scene *scene = reader->scene;
     size_t first = scene->object_count;
     int status = own ? read_mesh(reader, nodes[slot], material, place)
@@ -244,6 +249,8 @@ int read_object(reader *reader, const feeler_node *node) {
         scene->objects[i].sides = common.sides;
         if (nodes[OBJECT_TRANSFORM])
             status = transform_object(&matrix, &scene->objects[i], reader->error);
+        if (status > 0)
+            status = make_instance(scene, i, &matrix, reader->error);
     }
     return status;
 }

@@ -246,6 +246,9 @@ static int read_parts(loader *loader) {
     for (const document *at = loader->documents; at; at = at->next)
         if (at->nodes[SCENE_MATERIALS] && read_materials(reader, at->nodes[SCENE_MATERIALS]) != 0)
             return -1;
+    for (const document *at = loader->documents; at; at = at->next)
+        if (at->nodes[SCENE_GROUPS] && declare_groups(reader, at->nodes[SCENE_GROUPS], at->directory) != 0)
+            return -1;
     for (const document *at = loader->documents; at; at = at->next) {
         const feeler_node *const *nodes = at->nodes;
         reader->directory = at->directory;
@@ -255,7 +258,7 @@ static int read_parts(loader *loader) {
             (nodes[SCENE_OBJECTS] && read_list(reader, nodes[SCENE_OBJECTS], "objects", read_object) != 0))
             return -1;
     }
-    return 0;
+    return read_groups(reader);
 }
 
 /* ---- the whole ---- */
@@ -271,6 +274,7 @@ static feeler_scene *finish(loader *loader, int status) {
     feeler_scene *scene = loader->reader.scene;
     free_documents(loader->documents);
     name_table_free(&loader->reader.materials);
+    free_groups(&loader->reader);
     if (status == 0)
         return scene;
     feeler_scene_free(scene);

@@ -25,8 +25,7 @@ feeler_scene *scene_new(feeler_error *error) {
     return scene;
 }
 
-/* Makes room for one more of `count` items. Returns the items, moved or not, or NULL; then the old ones are intact. */
-static void *grow(void *items, size_t count, size_t *capacity, size_t item_size, feeler_error *error) {
+void *grow(void *items, size_t count, size_t *capacity, size_t item_size, feeler_error *error) {
     if (count < *capacity)
         return items;
     size_t wanted = *capacity ? *capacity * 2 : 16;
@@ -47,6 +46,16 @@ scene_object *scene_add_object(feeler_scene *scene, feeler_error *error) {
     scene_object *object = &items[scene->object_count++];
     memset(object, 0, sizeof *object);
     return object;
+}
+
+scene_group *scene_add_group(feeler_scene *scene, feeler_error *error) {
+    scene_group *items = grow(scene->groups, scene->group_count, &scene->group_capacity, sizeof *items, error);
+    if (!items)
+        return NULL;
+    scene->groups = items;
+    scene_group *group = &items[scene->group_count++];
+    memset(group, 0, sizeof *group);
+    return group;
 }
 
 scene_light *scene_add_light(feeler_scene *scene, feeler_error *error) {
@@ -129,6 +138,11 @@ void feeler_scene_free(feeler_scene *scene) {
         return;
     for (size_t i = 0; i < scene->object_count; i++)
         scene_object_clear(&scene->objects[i]);
+    for (size_t i = 0; i < scene->group_count; i++) {
+        for (size_t k = 0; k < scene->groups[i].object_count; k++)
+            scene_object_clear(&scene->groups[i].objects[k]);
+        free(scene->groups[i].objects);
+    }
     for (size_t i = 0; i < scene->material_count; i++)
         free(scene->materials[i].name);
     for (size_t i = 0; i < scene->warning_count; i++)
@@ -136,6 +150,7 @@ void feeler_scene_free(feeler_scene *scene) {
     for (size_t i = 0; i < scene->source_count; i++)
         free(scene->sources[i]);
     free(scene->objects);
+    free(scene->groups);
     free(scene->materials);
     free(scene->lights);
     free(scene->warnings);

@@ -50,6 +50,11 @@ typedef struct scene_light {
     place place;
 } scene_light;
 
+/* The upper three rows of a 4 x 4 matrix whose last is 0 0 0 1; it multiplies column vectors from the left. */
+typedef struct matrix {
+    double m[3][4];
+} matrix;
+
 typedef enum shape {
     SHAPE_SPHERE,
     SHAPE_PLANE,
@@ -58,7 +63,8 @@ typedef enum shape {
     SHAPE_TRIANGLE,
     SHAPE_POLYGON,
     SHAPE_CONE,
-    SHAPE_MESH
+    SHAPE_MESH,
+    SHAPE_INSTANCE
 } shape;
 
 enum { BOTH_SIDES, FRONT_ONLY, BACK_ONLY }; /* which side of a surface is seen; the front is where the normal points */
@@ -73,7 +79,7 @@ typedef struct scene_mesh {
 typedef struct scene_object {
     shape shape;
     int sides;
-    int material; /* index into the scene's materials */
+    int material; /* index into the scene's materials; of an instance -1: those inside keep their own */
     place place;
     union {
         struct {
@@ -104,8 +110,19 @@ typedef struct scene_object {
             bool capped;
         } cone; /* a cylinder has equal radii */
         scene_mesh mesh;
+        struct {
+            int group;
+            matrix matrix; /* from the group's space to the world; has an inverse */
+        } instance;
     };
 } scene_object;
+
+/* Objects that instances place, in a space of their own. There are no planes and no instances among them. */
+typedef struct scene_group {
+    scene_object *objects; /* owned */
+    size_t object_count;
+    vec3 low, high; /* a box around them all, when validated */
+} scene_group;
 
 typedef struct scene_camera {
     vec3 eye, look_at, up;
@@ -129,6 +146,8 @@ struct feeler_scene {
     size_t material_count, material_capacity;
     scene_object *objects;
     size_t object_count, object_capacity;
+    scene_group *groups;
+    size_t group_count, group_capacity;
     char **warnings;
     size_t warning_count, warning_capacity;
     char **sources; /* interned names for `place` */
@@ -141,6 +160,7 @@ struct feeler_scene {
 feeler_scene *scene_new(feeler_error *error);
 /* Each appends a zeroed element (materials: with the defaults) and returns it, valid until the next append. */
 scene_object *scene_add_object(feeler_scene *scene, feeler_error *error);
+scene_group *scene_add_group(feeler_scene *scene, feeler_error *error);
 scene_light *scene_add_light(feeler_scene *scene, feeler_error *error);
 scene_material *scene_add_material(feeler_scene *scene, feeler_error *error);
 /* The interned copy of a source name; NULL: out of memory. */
@@ -151,6 +171,9 @@ int scene_warn(feeler_scene *scene, place place, feeler_error *error, const char
 
 /* Checks every range, normalises directions, drops degenerate triangles with a warning. */
 int scene_validate(feeler_scene *scene, feeler_error *error);
+
+/* Sets the group's box. */
+void scene_measure_group(scene_group *group);
 
 /* Readers, chosen by feeler_scene_load. Each returns a scene that is not yet validated. */
 feeler_scene *scene_read_yaml(const char *path, feeler_error *error);

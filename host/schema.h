@@ -9,8 +9,6 @@
 #include "node.h"
 #include "scene.h"
 
-struct matrix;
-
 typedef enum key_type {
     KEY_NUMBER,    /* double */
     KEY_INTEGER,   /* int */
@@ -44,7 +42,16 @@ typedef struct schema_key {
 #define MIN_LENGTH 1e-30
 
 /* Slots of KEY_NODE rows. */
-enum { SCENE_CAMERA, SCENE_IMAGE, SCENE_LIGHTS, SCENE_MATERIALS, SCENE_OBJECTS, SCENE_INCLUDE, SCENE_SLOTS };
+enum {
+    SCENE_CAMERA,
+    SCENE_IMAGE,
+    SCENE_LIGHTS,
+    SCENE_MATERIALS,
+    SCENE_GROUPS,
+    SCENE_OBJECTS,
+    SCENE_INCLUDE,
+    SCENE_SLOTS
+};
 enum { IMAGE_SIZE, IMAGE_SLOTS };
 enum { LIGHT_POINT, LIGHT_DIRECTIONAL, LIGHT_COLOUR, LIGHT_SLOTS };
 /* The shapes first, so that a slot below OBJECT_SHAPES is a shape. */
@@ -58,6 +65,7 @@ enum {
     OBJECT_CYLINDER,
     OBJECT_CONE,
     OBJECT_MESH,
+    OBJECT_INSTANCE,
     OBJECT_SHAPES,
     OBJECT_MATERIAL = OBJECT_SHAPES,
     OBJECT_TRANSFORM,
@@ -87,7 +95,7 @@ extern const schema_key scene_keys[], included_keys[], camera_keys[], image_keys
     cylinder_keys[], cone_keys[], mesh_keys[], transform_keys[], rotation_keys[];
 extern const schema_key light_colour_key;
 
-/* Names of materials, for look-up. */
+/* Names of materials or groups, for look-up. */
 typedef struct name_table {
     struct name_slot {
         const char *name;
@@ -103,6 +111,10 @@ typedef struct reader {
     const char *directory; /* of the file being read, "" or with a slash at its end */
     name_table materials;
     int default_material; /* index, or -1 while there is none */
+    name_table groups;
+    struct group_entry *entries; /* by the index of the name */
+    size_t entry_count, entry_capacity;
+    int depth; /* groups that are being read */
 } reader;
 
 /* ---- schema.c: tables against nodes ---- */
@@ -177,11 +189,26 @@ int read_light(reader *reader, const feeler_node *node);
 /* Appends what an object of the scene means: one object, or those of a mesh file. */
 int read_object(reader *reader, const feeler_node *node);
 int read_mesh(reader *reader, const feeler_node *node, int material, place place);
-int read_transform(const reader *reader, const feeler_node *node, struct matrix *matrix);
+int read_transform(const reader *reader, const feeler_node *node, matrix *matrix);
 /* A file name of the scene, seen from the scene's folder; to be freed. NULL: out of memory. */
 char *resolve_path(const reader *reader, const char *name);
 
+/* ---- read_groups.c ---- */
+
+/* Notes the names in a `groups` map; `directory` is that of its file and outlives the reader. */
+int declare_groups(reader *reader, const feeler_node *node, const char *directory);
+/* Reads the groups that no instance has asked for yet. */
+int read_groups(reader *reader);
+/* Appends the instances that an `instance` key means: one, and those in the group moved along. `material`: -1 for none. */
+int read_instance(reader *reader, const feeler_node *node, const matrix *matrix, int material, place place);
+/* Puts the scene's object at `index` into a group of its own, and an instance of it in its place. */
+int make_instance(feeler_scene *scene, size_t index, const matrix *matrix, feeler_error *error);
+void free_groups(reader *reader);
+
 /* ---- scene.c ---- */
+
+/* Makes room for one more of `count` items. Returns the items, moved or not, or NULL; then the old ones are intact. */
+void *grow(void *items, size_t count, size_t *capacity, size_t item_size, feeler_error *error);
 
 /* As scene_source, without looking whether the name is there already: for the many paths of a scene without a file. */
 const char *scene_add_source(feeler_scene *scene, const char *name, feeler_error *error);

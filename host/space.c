@@ -1,5 +1,6 @@
 /* space.c - where the packed scene's origin is, the view from there, and whether a mesh encloses space. */
 #include "blocks.h"
+#include "transform.h"
 #include "vec.h"
 
 #include <math.h>
@@ -19,7 +20,15 @@ static void include_points(extent *e, const vec3 *points, size_t count) {
         include_ball(e, points[i], 0);
 }
 
-static void include_object(extent *e, const scene_object *o) {
+static void include_instance(extent *e, const scene_group *group, const matrix *matrix) {
+    vec3 low = group->low, high = group->high;
+    if (group->object_count == 0)
+        return;
+    matrix_apply_to_box(matrix, &low, &high);
+    include_points(e, (vec3[]){low, high}, 2);
+}
+
+static void include_object(extent *e, const scene_group *groups, const scene_object *o) {
     switch (o->shape) {
     case SHAPE_SPHERE:
         include_ball(e, o->sphere.centre, o->sphere.radius);
@@ -45,7 +54,20 @@ static void include_object(extent *e, const scene_object *o) {
     case SHAPE_MESH:
         include_points(e, o->mesh.vertices, o->mesh.vertex_count);
         break;
+    case SHAPE_INSTANCE:
+        include_instance(e, &groups[o->instance.group], &o->instance.matrix);
+        break;
     }
+}
+
+static const extent nowhere = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+void scene_measure_group(scene_group *group) {
+    extent e = nowhere;
+    for (size_t i = 0; i < group->object_count; i++)
+        include_object(&e, NULL, &group->objects[i]);
+    group->low = e.low;
+    group->high = e.high;
 }
 
 /* A multiple of a power of two, so that moving by it rounds little and a scene scaled by a power of two moves alike. */
@@ -59,15 +81,23 @@ static double shift(double middle, double size) {
     return ldexp(rint(ldexp(middle, -exponent)), exponent);
 }
 
-vec3 scene_origin(const feeler_scene *scene) {
-    extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t i = 0; i < scene->object_count; i++)
-        include_object(&e, &scene->objects[i]);
-    if (!(e.low.x <= e.high.x)) /* nothing bounded: what the eye looks at */
-        include_points(&e, (vec3[]){scene->camera.eye, scene->camera.look_at}, 2);
+static vec3 origin_of(extent e) {
     vec3 middle = vec_add(vec_scale(e.low, 0.5), vec_scale(e.high, 0.5));
     double size = 0.5 * vec_extent(vec_subtract(e.high, e.low));
     return (vec3){shift(middle.x, size), shift(middle.y, size), shift(middle.z, size)};
+}
+
+vec3 origin_of_group(const scene_group *group) {
+    return origin_of((extent){group->low, group->high});
+}
+
+vec3 scene_origin(const feeler_scene *scene) {
+    extent e = nowhere;
+    for (size_t i = 0; i < scene->object_count; i++)
+        include_object(&e, scene->groups, &scene->objects[i]);
+    if (!(e.low.x <= e.high.x)) /* nothing bounded: what the eye looks at */
+        include_points(&e, (vec3[]){scene->camera.eye, scene->camera.look_at}, 2);
+    return origin_of(e);
 }
 
 static real4 to_real4(vec3 v) {
@@ -127,12 +157,12 @@ static bool is_inside(real4 p, bounds b) {
     return p.x >= b.low.x && p.x <= b.high.x && p.y >= b.low.y && p.y <= b.high.y && p.z >= b.low.z && p.z <= b.high.z;
 }
 
-/* Meshes have one box together. */
+/* Meshes have one box together; what is in an instance is in its box. */
 bool eye_may_be_inside(const packed *p, real4 eye) {
     const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
     bounds meshes = empty_bounds();
-    for (size_t i = 0; i < p->arrays[ARRAY_PRIMITIVES].count; i++) {
-        if (!(primitives[i].w & FLAG_SOLID))
+    for (size_t i = 0; i < p->own; i++) {
+        if (!(primitives[i].w & FLAG_SOLID) && primitives[i].x != KIND_INSTANCE)
             continue;
         bounds b = primitive_bounds(p, i);
         if (primitives[i].x == KIND_TRIANGLE)

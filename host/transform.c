@@ -80,3 +80,53 @@ bool matrix_singular(const matrix *matrix) {
     }
     return fabs(vec_dot(rows[0], vec_cross(rows[1], rows[2]))) < 1e-12;
 }
+
+bool matrix_translates(const matrix *matrix) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (matrix->m[i][j] != (i == j))
+                return false;
+    return true;
+}
+
+/* By cofactors, of the matrix divided by the power of two that brings it near 1. */
+matrix matrix_inverse_linear(const matrix *matrix) {
+    double extent = 0;
+    vec3 rows[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            extent = fmax(extent, fabs(matrix->m[i][j]));
+    int exponent;
+    frexp(extent, &exponent);
+    for (int i = 0; i < 3; i++)
+        rows[i] = (vec3){ldexp(matrix->m[i][0], -exponent), ldexp(matrix->m[i][1], -exponent),
+                         ldexp(matrix->m[i][2], -exponent)};
+    vec3 columns[3] = {vec_cross(rows[1], rows[2]), vec_cross(rows[2], rows[0]), vec_cross(rows[0], rows[1])};
+    double determinant = vec_dot(rows[0], columns[0]);
+    struct matrix inverse = {{{0}}};
+    for (int j = 0; j < 3; j++) {
+        inverse.m[0][j] = ldexp(columns[j].x / determinant, -exponent);
+        inverse.m[1][j] = ldexp(columns[j].y / determinant, -exponent);
+        inverse.m[2][j] = ldexp(columns[j].z / determinant, -exponent);
+    }
+    return inverse;
+}
+
+vec3 matrix_apply(const matrix *matrix, vec3 p) {
+    const double(*m)[4] = matrix->m;
+    return (vec3){m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3],
+                  m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3],
+                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3]};
+}
+
+void matrix_apply_to_box(const matrix *matrix, vec3 *low, vec3 *high) {
+    vec3 middle = matrix_apply(matrix, vec_add(vec_scale(*low, 0.5), vec_scale(*high, 0.5)));
+    vec3 half = vec_subtract(vec_scale(*high, 0.5), vec_scale(*low, 0.5));
+    struct matrix sizes = {{{0}}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            sizes.m[i][j] = fabs(matrix->m[i][j]);
+    half = matrix_apply(&sizes, half);
+    *low = vec_subtract(middle, half);
+    *high = vec_add(middle, half);
+}

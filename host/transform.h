@@ -4,11 +4,6 @@
 
 #include "scene.h"
 
-/* The upper three rows of a 4 x 4 matrix whose last is 0 0 0 1; it multiplies column vectors from the left. */
-typedef struct matrix {
-    double m[3][4];
-} matrix;
-
 matrix matrix_identity(void);
 /* First b, then a. */
 matrix matrix_multiply(const matrix *a, const matrix *b);
@@ -20,9 +15,17 @@ matrix matrix_scaling(vec3 by);
 /* Whether every element is finite, and whether it has an inverse to speak of. */
 bool matrix_finite(const matrix *matrix);
 bool matrix_singular(const matrix *matrix);
+/* Whether the linear part is the identity. */
+bool matrix_translates(const matrix *matrix);
+/* The inverse of the linear part, of a matrix that is finite and not singular; the last column is zero. */
+matrix matrix_inverse_linear(const matrix *matrix);
+vec3 matrix_apply(const matrix *matrix, vec3 point);
+/* The box around the image of a box: its middle's image, and as far as the absolute linear part takes its half. */
+void matrix_apply_to_box(const matrix *matrix, vec3 *low, vec3 *high);
 
 /* Moves an object into the space that `matrix`, finite and not singular, maps to. A box that is then not axis-aligned
- * becomes a mesh; a mirrored surface keeps its front outside. Fails where the shape has no such image. */
+ * becomes a mesh; a mirrored surface keeps its front outside. 1, and the object untouched: the shape has no such image, it
+ * takes an instance. */
 int transform_object(const matrix *matrix, scene_object *object, feeler_error *error);
 
 #endif

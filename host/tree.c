@@ -60,14 +60,15 @@ static float upper(double x) {
     return (double)near >= x ? near : nextafterf(near, INFINITY);
 }
 
-static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_t *order, feeler_error *error) {
-    struct RTCBuildPrimitive *out = aligned_alloc(32, (p->bounded ? p->bounded : 1) * sizeof *out);
+static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_t *numbers, size_t count,
+                                                  feeler_error *error) {
+    struct RTCBuildPrimitive *out = aligned_alloc(32, (count ? count : 1) * sizeof *out);
     if (!out) {
-        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tree over %zu primitives", p->bounded);
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tree over %zu primitives", count);
         return NULL;
     }
-    for (size_t i = 0; i < p->bounded; i++) {
-        bounds b = primitive_bounds(p, order[i]);
+    for (size_t i = 0; i < count; i++) {
+        bounds b = primitive_bounds(p, numbers[i]);
         out[i] = (struct RTCBuildPrimitive){
             .lower_x = lower(b.low.x),
             .lower_y = lower(b.low.y),
@@ -76,7 +77,7 @@ static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_
             .upper_y = upper(b.high.y),
             .upper_z = upper(b.high.z),
             .geomID = 0,
-            .primID = order[i],
+            .primID = numbers[i],
         };
     }
     return out;
@@ -143,8 +144,9 @@ static bounds flatten(packed *p, branch *b, size_t *written) {
     return box;
 }
 
-static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_error *error) {
-    RTCDevice device = rtcNewDevice(NULL);
+/* A tree over so many primitives; returns its root's node in `top`. */
+static int build(packed *p, RTCDevice device, const struct RTCBuildPrimitive *primitives, size_t count, size_t *top,
+                 feeler_error *error) {
     RTCBVH bvh = device ? rtcNewBVH(device) : NULL;
     struct RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
@@ -155,7 +157,7 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
     arguments.sahBlockSize = WIDTH / 2; /* a block costs one ray as much as one primitive, a packet more */
     arguments.bvh = bvh;
     arguments.primitives = (struct RTCBuildPrimitive *)primitives;
-    arguments.primitiveCount = arguments.primitiveArrayCapacity = p->bounded;
+    arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
     arguments.createNode = create_node;
     arguments.setNodeChildren = set_children;
     arguments.setNodeBounds = set_bounds;
@@ -165,54 +167,89 @@ static int build(packed *p, const struct RTCBuildPrimitive *primitives, feeler_e
     if (!root)
         fail(error,
              device && rtcGetDeviceError(device) != RTC_ERROR_OUT_OF_MEMORY ? FEELER_DEVICE : FEELER_OUT_OF_MEMORY,
-             "Embree could not build a tree over %zu primitives", p->bounded);
-    else if (array_reserve(&p->arrays[ARRAY_NODES], p->bounded + 1, error) == 0 &&
-             array_reserve(&p->arrays[ARRAY_LINKS], WIDTH * (p->bounded + 1), error) == 0) {
-        size_t top;
-        flatten(p, root, &top);
+             "Embree could not build a tree over %zu primitives", count);
+    else if (array_reserve(&p->arrays[ARRAY_NODES], count + 1, error) == 0 &&
+             array_reserve(&p->arrays[ARRAY_LINKS], WIDTH * (count + 1), error) == 0) {
+        flatten(p, root, top);
         status = 0;
     }
     if (bvh)
         rtcReleaseBVH(bvh);
+    return status;
+}
+
+/* A tree over the primitives, or without one blocks; `root` and `end` as in packed_group. */
+static int build_over(packed *p, RTCDevice device, const uint32_t *numbers, size_t count, uint32_t *root, uint32_t *end,
+                      feeler_error *error) {
+    size_t top = p->arrays[ARRAY_LINKS].count;
+    if (reserve_blocks(p, numbers, count, error) < 0)
+        return -1;
+    int status = -1;
+    if (device) {
+        struct RTCBuildPrimitive *primitives = build_primitives(p, numbers, count, error);
+        status = primitives ? build(p, device, primitives, count, &top, error) : -1;
+        free(primitives);
+    } else {
+        status = list_blocks(p, numbers, count, error);
+    }
+    *root = (uint32_t)top;
+    *end = (uint32_t)(device ? top + 1 : p->arrays[ARRAY_LINKS].count);
+    return status;
+}
+
+/* The scene's own: the planes' numbers follow the blocks', in blocks too if others come after. */
+static int build_own(packed *p, RTCDevice device, uint32_t *numbers, feeler_error *error) {
+    const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
+    size_t bounded = 0;
+    uint32_t root, end;
+    for (size_t i = 0; i < p->own; i++)
+        if (primitives[i].x != KIND_PLANE)
+            numbers[bounded++] = (uint32_t)i;
+    if (bounded && build_over(p, device, numbers, bounded, &root, &end, error) < 0)
+        return -1;
+    p->own_blocks = p->blocks;
+    p->planes = p->own - bounded;
+    size_t room = p->group_count ? (p->planes + WIDTH - 1) / WIDTH * WIDTH : p->planes;
+    uint32_t *planes = array_add(&p->arrays[ARRAY_BLOCK_NUMBERS], room, error);
+    for (size_t i = 0; planes && i < p->own; i++)
+        if (primitives[i].x == KIND_PLANE)
+            *planes++ = (uint32_t)i;
+    p->blocks += (room + WIDTH - 1) / WIDTH;
+    return planes ? 0 : -1;
+}
+
+static int build_groups(packed *p, RTCDevice device, uint32_t *numbers, feeler_error *error) {
+    for (size_t i = 0; i < p->group_count; i++) {
+        packed_group *g = &p->groups[i];
+        for (size_t k = 0; k < g->count; k++)
+            numbers[k] = (uint32_t)(g->first + k);
+        if (g->count && build_over(p, device, numbers, g->count, &g->root, &g->end, error) < 0)
+            return -1;
+    }
+    uint4 *roots = p->arrays[ARRAY_INSTANCE_ROOTS].data;
+    for (size_t i = 0; i < p->arrays[ARRAY_INSTANCE_ROOTS].count; i++) {
+        const packed_group *g = &p->groups[roots[i].z];
+        roots[i] = (uint4){g->root, g->end, 0, 0};
+    }
+    return 0;
+}
+
+int build_trees(packed *p, bool brute_force, feeler_error *error) {
+    double start = seconds_now();
+    size_t count = p->arrays[ARRAY_PRIMITIVES].count;
+    RTCDevice device = brute_force || count == 0 ? NULL : rtcNewDevice(NULL);
+    uint32_t *numbers = malloc((count ? count : 1) * sizeof *numbers);
+    int status = -1;
+    if (!numbers || (count && !brute_force && !device))
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tree over %zu primitives", count);
+    else if (build_own(p, device, numbers, error) == 0)
+        status = build_groups(p, device, numbers, error);
+    if (status == 0 && p->blocks > TAG_NUMBER)
+        status = fail(error, FEELER_BAD_INPUT, "the scene has %zu blocks of primitives, but can have %u", p->blocks,
+                      TAG_NUMBER);
+    free(numbers);
     if (device)
         rtcReleaseDevice(device);
-    return status;
-}
-
-/* The bounded primitives' numbers; to be freed. */
-static uint32_t *list_bounded(packed *p, feeler_error *error) {
-    size_t count = p->arrays[ARRAY_PRIMITIVES].count;
-    const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
-    uint32_t *numbers = malloc((count ? count : 1) * sizeof *numbers);
-    if (!numbers) {
-        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for %zu primitives", count);
-        return NULL;
-    }
-    for (size_t i = 0; i < count; i++)
-        if (primitives[i].x != KIND_PLANE)
-            numbers[p->bounded++] = (uint32_t)i;
-    return numbers;
-}
-
-static int build_over(packed *p, const uint32_t *numbers, feeler_error *error) {
-    struct RTCBuildPrimitive *primitives = build_primitives(p, numbers, error);
-    int status = primitives ? build(p, primitives, error) : -1;
-    free(primitives);
-    return status;
-}
-
-int build_tree(packed *p, bool brute_force, feeler_error *error) {
-    double start = seconds_now();
-    uint32_t *numbers = list_bounded(p, error);
-    int status = numbers ? 0 : -1;
-    if (status == 0 && p->bounded) {
-        status = reserve_blocks(p, error);
-        if (status == 0)
-            status = brute_force ? list_blocks(p, numbers, error) : build_over(p, numbers, error);
-    }
-    free(numbers);
-    if (status == 0)
-        status = list_planes(p, error);
     p->tree_seconds = seconds_now() - start;
     return status;
 }

@@ -1,6 +1,7 @@
 /* validate.c - the invariant of scene.h: every reader's scene passes here before anything is computed from it. */
 #include "mesh.h"
 #include "schema.h"
+#include "transform.h"
 #include "vec.h"
 
 #include <stdio.h>
@@ -138,7 +139,36 @@ static int validate_mesh(scene_object *object, feeler_error *error) {
     return 0;
 }
 
-static int validate_shape(scene_object *object, feeler_error *error) {
+/* The greatest size of a linear part's elements. */
+static double linear_extent(const matrix *m) {
+    double extent = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            extent = fmax(extent, fabs(m->m[i][j]));
+    return extent;
+}
+
+static int validate_instance(const feeler_scene *scene, const scene_object *object, feeler_error *error) {
+    const matrix *m = &object->instance.matrix;
+    if (object->instance.group < 0 || (size_t)object->instance.group >= scene->group_count)
+        return bad(object, error, "the instance's group is out of range");
+    if (!matrix_finite(m))
+        return bad(object, error, "the instance's transform is not finite");
+    if (matrix_singular(m))
+        return bad(object, error, "the instance's transform is singular: it flattens the object");
+    const matrix inverse = matrix_inverse_linear(m);
+    if (linear_extent(m) > MAX_COORDINATE || !(linear_extent(&inverse) <= MAX_COORDINATE))
+        return fail_at(error, FEELER_BAD_INPUT, object->place,
+                       "the instance is scaled by more than %g, or less than %g", MAX_COORDINATE, 1 / MAX_COORDINATE);
+    const scene_group *group = &scene->groups[object->instance.group];
+    vec3 corners[2] = {group->low, group->high};
+    if (group->object_count == 0)
+        return 0;
+    matrix_apply_to_box(m, &corners[0], &corners[1]);
+    return check_points(object, corners, 2, error);
+}
+
+static int validate_shape(const feeler_scene *scene, scene_object *object, feeler_error *error) {
     switch (object->shape) {
     case SHAPE_SPHERE:
         return check_radius(object, object->sphere.radius, error) != 0
@@ -163,6 +193,8 @@ static int validate_shape(scene_object *object, feeler_error *error) {
         return validate_cone(object, error);
     case SHAPE_MESH:
         return validate_mesh(object, error);
+    case SHAPE_INSTANCE:
+        return validate_instance(scene, object, error);
     }
     return bad(object, error, "unknown shape");
 }
@@ -213,29 +245,53 @@ static place common_place(place a, place b) {
     return (place){a.source, 0, 0};
 }
 
-static int drop_all_degenerate(feeler_scene *scene, feeler_error *error) {
-    size_t kept = 0, dropped = 0;
-    place where = {NULL, 0, 0};
-    for (size_t i = 0; i < scene->object_count; i++) {
+/* What was left out, and where. */
+typedef struct losses {
+    size_t count;
+    place place;
+} losses;
+
+static void drop_all_degenerate(scene_object *objects, size_t *count, losses *losses) {
+    size_t kept = 0;
+    for (size_t i = 0; i < *count; i++) {
         bool empty;
-        size_t here = drop_degenerate(&scene->objects[i], &empty);
+        size_t here = drop_degenerate(&objects[i], &empty);
         if (here > 0)
-            where = dropped == 0 ? scene->objects[i].place : common_place(where, scene->objects[i].place);
-        dropped += here;
+            losses->place = losses->count == 0 ? objects[i].place : common_place(losses->place, objects[i].place);
+        losses->count += here;
         if (empty)
-            scene_object_clear(&scene->objects[i]);
+            scene_object_clear(&objects[i]);
         else
-            scene->objects[kept++] = scene->objects[i];
+            objects[kept++] = objects[i];
     }
-    scene->object_count = kept;
-    scene->dropped_triangles += dropped;
-    if (dropped == 0)
+    *count = kept;
+}
+
+static int warn_of_losses(feeler_scene *scene, const losses *losses, feeler_error *error) {
+    scene->dropped_triangles += losses->count;
+    if (losses->count == 0)
         return 0;
-    return scene_warn(scene, where, error, "%zu degenerate %s left out: %s no area", dropped,
-                      dropped == 1 ? "triangle" : "triangles", dropped == 1 ? "it has" : "they have");
+    bool one = losses->count == 1;
+    return scene_warn(scene, losses->place, error, "%zu degenerate %s left out: %s no area", losses->count,
+                      one ? "triangle" : "triangles", one ? "it has" : "they have");
+}
+
+static int validate_objects(feeler_scene *scene, scene_object *objects, size_t count, feeler_error *error) {
+    for (size_t i = 0; i < count; i++) {
+        scene_object *object = &objects[i];
+        bool own = object->shape == SHAPE_INSTANCE && object->material == -1;
+        if (!own && (object->material < 0 || (size_t)object->material >= scene->material_count))
+            return bad(object, error, "the object's material is out of range");
+        if (object->sides < BOTH_SIDES || object->sides > BACK_ONLY)
+            return bad(object, error, "the object's sides are out of range");
+        if (validate_shape(scene, object, error) != 0)
+            return -1;
+    }
+    return 0;
 }
 
 int scene_validate(feeler_scene *scene, feeler_error *error) {
+    losses losses = {0, {NULL, 0, 0}};
     if (validate_camera(&scene->camera, error) != 0 || validate_image(scene, error) != 0)
         return -1;
     for (size_t i = 0; i < scene->light_count; i++)
@@ -244,14 +300,15 @@ int scene_validate(feeler_scene *scene, feeler_error *error) {
     for (size_t i = 0; i < scene->material_count; i++)
         if (validate_material(&scene->materials[i], error) != 0)
             return -1;
-    for (size_t i = 0; i < scene->object_count; i++) {
-        scene_object *object = &scene->objects[i];
-        if (object->material < 0 || (size_t)object->material >= scene->material_count)
-            return bad(object, error, "the object's material is out of range");
-        if (object->sides < BOTH_SIDES || object->sides > BACK_ONLY)
-            return bad(object, error, "the object's sides are out of range");
-        if (validate_shape(object, error) != 0)
+    for (size_t i = 0; i < scene->group_count; i++) { /* before the instances, which ask for their size */
+        scene_group *group = &scene->groups[i];
+        if (validate_objects(scene, group->objects, group->object_count, error) != 0)
             return -1;
+        drop_all_degenerate(group->objects, &group->object_count, &losses);
+        scene_measure_group(group);
     }
-    return drop_all_degenerate(scene, error);
+    if (validate_objects(scene, scene->objects, scene->object_count, error) != 0)
+        return -1;
+    drop_all_degenerate(scene->objects, &scene->object_count, &losses);
+    return warn_of_losses(scene, &losses, error);
 }

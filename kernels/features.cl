@@ -21,6 +21,9 @@
 #ifndef HAS_CONE
 #define HAS_CONE 1
 #endif
+#ifndef HAS_INSTANCE /* groups that are placed in the world */
+#define HAS_INSTANCE 1
+#endif
 #ifndef HAS_SMOOTH /* interpolated normals */
 #define HAS_SMOOTH 1
 #endif

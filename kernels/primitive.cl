@@ -1,26 +1,4 @@
-// primitive.cl - the scene's primitives on the device, and which function serves which.
-
-typedef struct {
-    global const uint4 *primitives; // kind, index among its kind, material, flags
-    global const sphere *spheres;
-    global const plane *planes;
-    global const disc *discs;
-    global const box *boxes;
-    global const uint4 *triangles; // three indices into vertices and normals
-    global const real4 *vertices;
-    global const real4 *normals;
-    global const polygon *polygons;
-    global const uint4 *polygon_ranges; // first row, number of corners
-    global const real *corners;         // rows of WIDTH
-    global const cone *cones;
-    global const node *nodes;
-    global const uint2 *links;
-    global const real *blocks;
-    global const uint *block_numbers; // WIDTH primitive numbers for each block, then the planes' numbers
-    global const material *materials;
-    global const light *lights;
-    uint4 count; // lights, blocks, nodes, planes
-} scene;
+// primitive.cl - the surface of what a ray has hit: which function serves which kind.
 
 crossing intersect_unbounded(const scene *s, ray r, uint4 primitive) {
     const plane a = s->planes[primitive.y];
@@ -35,42 +13,6 @@ INLINE surface choose_surface(ints m, surface a, surface b) {
     return a;
 }
 
-// The material and flags of the primitives hit.
-typedef struct {
-    ints kind, index, material, flags;
-} identity;
-
-identity identify(const scene *s, ints active, const hit *h) {
-    identity id;
-#if RAYS == 1
-    const uint4 p = s->primitives[INT_LANE(active, 0) ? INT_LANE(h->primitive, 0) : 0];
-    id.kind = whole(p.x);
-    id.index = whole(p.y);
-    id.material = whole(p.z);
-    id.flags = whole(p.w);
-#else
-    const uint bits = lane_bits(active);
-    const integer some = bits ? INT_LANE(h->primitive, lowest_bit(bits)) : 0;
-    const ints number = active ? h->primitive : whole(some); // the same as another's where there is none
-    if (!any_lane(number != whole(some))) {
-        const uint4 p = s->primitives[some];
-        id.kind = whole(p.x);
-        id.index = whole(p.y);
-        id.material = whole(p.z);
-        id.flags = whole(p.w);
-        return id;
-    }
-    for (int lane = 0; lane < LANES; lane++) {
-        const uint4 p = s->primitives[INT_LANE(number, lane)];
-        INT_LANE(id.kind, lane) = p.x;
-        INT_LANE(id.index, lane) = p.y;
-        INT_LANE(id.material, lane) = p.z;
-        INT_LANE(id.flags, lane) = p.w;
-    }
-#endif
-    return id;
-}
-
 #if HAS_TRIANGLE
 // A real4 of the triangles' corners, `word` telling which corner.
 vectors gather_corner(const scene *s, global const real4 *from, ints index, int corner, ints wanted) {
@@ -81,23 +23,31 @@ vectors gather_corner(const scene *s, global const real4 *from, ints index, int 
     return gather((global const real *)from, at, sizeof(real4) / sizeof(real)).xyz;
 }
 
-surface surface_of_triangles(const scene *s, const hit *h, ints index, ints smooth) {
+surface surface_of_triangles(const scene *s, const hit *h, ints index) {
     vectors v[3];
     for (int i = 0; i < 3; i++)
         v[i] = gather_corner(s, s->vertices, index, i, mask(true));
-    surface f = surface_triangle(v[0], v[1], v[2], h->u, h->v);
-#if HAS_SMOOTH
-    if (!any_ray(smooth))
-        return f;
-    const vectors sum =
-        interpolate(gather_corner(s, s->normals, index, 0, smooth), gather_corner(s, s->normals, index, 1, smooth),
-                    gather_corner(s, s->normals, index, 2, smooth), h->u, h->v);
-    const ints usable = smooth & (dot3(sum, sum) > splat(0));
-    vectors normal = normalise(sum);
-    normal = choose(dot3(normal, f.normal) < splat(0), negate(normal), normal);
-    f.shading = choose(usable, normal, f.normal);
+    return surface_triangle(v[0], v[1], v[2], h->u, h->v);
+}
 #endif
-    return f;
+
+#if HAS_SMOOTH
+// The interpolated normal, on the side of the triangle's own. In an instance the corners' normals are turned one by one, as
+// those of a mesh that is moved itself.
+vectors shading_of_triangles(const scene *s, const hit *h, ints index, ints smooth, vectors normal, const placement *at,
+                             ints inside) {
+    vectors n[3];
+    for (int i = 0; i < 3; i++) {
+        n[i] = gather_corner(s, s->normals, index, i, smooth);
+#if HAS_INSTANCE
+        n[i] = choose(inside, turn_normal(at, n[i]), n[i]);
+#endif
+    }
+    const vectors sum = interpolate(n[0], n[1], n[2], h->u, h->v);
+    const ints usable = smooth & (dot3(sum, sum) > splat(0));
+    vectors mean = normalise(sum);
+    mean = choose(dot3(mean, normal) < splat(0), negate(mean), mean);
+    return choose(usable, mean, normal);
 }
 #endif
 
@@ -106,8 +56,10 @@ ints index_where(ints m, ints index) {
     return m ? index : whole(INT_LANE(index, lowest_bit(lane_bits(m))));
 }
 
-// The surface at each lane's hit, kind by kind; lanes that are not active get a harmless one.
-surface find_surface(const scene *s, const ray *r, const hit *h, ints active, const identity *id) {
+// The surface at each lane's hit in the space where it is met, kind by kind; lanes that are not active get a harmless one.
+// `length`: the direction's.
+INLINE surface find_own_surface(const scene *s, const ray *r, const hit *h, ints active, const identity *id,
+                                reals length) {
     surface f;
     f.point = r->origin;
     f.error = where(mask(false), r->origin);
@@ -119,7 +71,9 @@ surface find_surface(const scene *s, const ray *r, const hit *h, ints active, co
     m = LANES_OF(KIND_SPHERE);
     if (any_ray(m)) {
         const quads q = GATHER(s->spheres, INDEX_OF(m), centre_radius);
-        f = choose_surface(m, surface_sphere(*r, h->distance, q.xyz, q.w), f);
+        ray unit = *r;
+        unit.direction = scale(r->direction, splat(1) / length);
+        f = choose_surface(m, surface_sphere(unit, h->distance * length, q.xyz, q.w), f);
     }
 #endif
 #if HAS_PLANE
@@ -147,8 +101,7 @@ surface find_surface(const scene *s, const ray *r, const hit *h, ints active, co
 #if HAS_TRIANGLE
     m = LANES_OF(KIND_TRIANGLE);
     if (any_ray(m))
-        f = choose_surface(m, surface_of_triangles(s, h, INDEX_OF(m), m & ((id->flags & (integer)FLAG_SMOOTH) != 0)),
-                           f);
+        f = choose_surface(m, surface_of_triangles(s, h, INDEX_OF(m)), f);
 #endif
 #if HAS_POLYGON
     m = LANES_OF(KIND_POLYGON);
@@ -165,6 +118,39 @@ surface find_surface(const scene *s, const ray *r, const hit *h, ints active, co
                                           GATHER(s->cones, i, v_slope), GATHER(s->cones, i, axis));
         f = choose_surface(m, surface_cone(*r, h->distance, h->u, cone), f);
     }
+#endif
+    return f;
+}
+
+surface find_surface(const scene *s, const ray *r, const hit *h, ints active, const identity *id) {
+    placement at;
+    ray around = *r;
+    hit met = *h;
+    ints inside = mask(false);
+    reals length = splat(1);
+#if HAS_INSTANCE
+    inside = active & (id->instance >= 0);
+    if (any_ray(inside)) {
+        at = find_placement(s, index_where(inside, id->instance));
+        const ray moved = move_ray(&at, r);
+        around.origin = choose(inside, moved.origin, r->origin);
+        around.direction = choose(inside, moved.direction, r->direction);
+        around.inverse = choose(inside, moved.inverse, r->inverse);
+        met.distance = inside ? h->distance * at.unit : h->distance;
+        length = inside & at.turned ? sqrt(dot3(around.direction, around.direction)) : length;
+    }
+#endif
+    surface f = find_own_surface(s, &around, &met, active, id, length);
+#if HAS_INSTANCE
+    if (any_ray(inside))
+        f = choose_surface(inside, place_surface(&at, f), f);
+#endif
+#if HAS_SMOOTH
+    const ints smooth = LANES_OF(KIND_TRIANGLE) & ((id->flags & (integer)FLAG_SMOOTH) != 0);
+    if (any_ray(smooth))
+        f.shading =
+            choose(smooth, shading_of_triangles(s, h, index_where(smooth, id->index), smooth, f.normal, &at, inside),
+                   f.shading);
 #endif
     return f;
 }

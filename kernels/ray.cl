@@ -12,18 +12,29 @@ typedef struct {
 
 // The direction has length 1. A ray that goes through surfaces steps from hit to hit: what comes next is farther than
 // `least`, or as far and of a higher primitive number than the last; `again` says that the primitive at hand has one.
+//
+// In an instance (see instance.cl) the direction has another length, every hit counts as being in the ray's interval `in`
+// in the instance's box, and `last` is a number among the primitives there.
 typedef struct {
     vectors origin, direction, inverse;
     shear shear;
     reals least;
     ints last, again;
+#if HAS_INSTANCE
+    ints last_inside;
+    reals in_near, in_far;
+#endif
 } ray;
 
-// The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric).
+// The nearest hit so far: primitive is -1 for none, u and v are the primitive's own (triangle: barycentric). Where the
+// primitive is an instance, `inside` is the one that it has there.
 typedef struct {
     reals distance;
     ints primitive;
     reals u, v;
+#if HAS_INSTANCE
+    ints inside;
+#endif
 } hit;
 
 // Where a ray meets one primitive, if it does.
@@ -52,6 +63,18 @@ reals reciprocal(reals d) {
     return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d) : d);
 }
 
+// No hit that is as far as the limit.
+hit no_hit(reals limit) {
+    hit h;
+    h.distance = limit;
+    h.primitive = whole(-1);
+    h.u = h.v = splat(0);
+#if HAS_INSTANCE
+    h.inside = whole(-1);
+#endif
+    return h;
+}
+
 INLINE ray make_ray(vectors origin, vectors direction) {
     ray r;
     r.origin = origin;
@@ -59,6 +82,11 @@ INLINE ray make_ray(vectors origin, vectors direction) {
     r.least = splat(0);
     r.last = whole(-1);
     r.again = mask(false);
+#if HAS_INSTANCE
+    r.last_inside = whole(-1);
+    r.in_near = splat(-INFINITY);
+    r.in_far = splat(INFINITY);
+#endif
     r.inverse = make_vectors(reciprocal(direction.x), reciprocal(direction.y), reciprocal(direction.z));
 #if HAS_TRIANGLE || HAS_POLYGON
     const vectors size = absolute(direction);
@@ -117,7 +145,28 @@ crossing clamp_crossing(ray r, vectors low, vectors high, crossing c) {
     const interval i = intersect_bounds(r, low, high);
     c.found &= (c.distance > splat(0)) & (i.near <= i.far);
     c.distance = min(max(c.distance, i.near), i.far);
+#if HAS_INSTANCE
+    c.distance = min(max(c.distance, r.in_near), r.in_far);
+#endif
     return c;
+}
+
+// A box that begins farther away holds nothing nearer than `distance`, and one that ends before the other holds nothing that
+// is ahead. In an instance, where all is moved into one interval, boxes tell nothing beyond its ends.
+reals farthest_near(const ray *r, reals distance) {
+#if HAS_INSTANCE
+    return r->in_far <= distance ? splat(FARTHEST) : distance;
+#else
+    return distance;
+#endif
+}
+
+reals nearest_far(const ray *r) {
+#if HAS_INSTANCE
+    return r->in_near >= r->least ? splat(-FARTHEST) : r->least;
+#else
+    return r->least;
+#endif
 }
 
 // The same ray with one primitive at hand.
@@ -142,6 +191,9 @@ ints is_ahead(ray r, reals distance) {
 ray step_beyond(ray r, const hit *h, ints active) {
     r.least = active ? h->distance : r.least;
     r.last = active ? h->primitive : r.last;
+#if HAS_INSTANCE
+    r.last_inside = active ? h->inside : r.last_inside;
+#endif
     return r;
 }
 #endif

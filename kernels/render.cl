@@ -5,13 +5,14 @@
         global const disc *discs, global const box *boxes, global const uint4 *triangles,                              \
         global const real4 *vertices, global const real4 *normals, global const polygon *polygons,                     \
         global const uint4 *polygon_ranges, global const real *corners, global const cone *cones,                      \
-        global const node *nodes, global const uint2 *links, global const real *blocks,                                \
-        global const uint *block_numbers, global const material *materials, global const light *lights
+        global const instance *instances, global const uint4 *instance_roots, global const node *nodes,                \
+        global const uint2 *links, global const real *blocks, global const uint *block_numbers,                        \
+        global const material *materials, global const light *lights
 
 #define SCENE_ARGUMENTS                                                                                                \
     {                                                                                                                  \
         primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners,    \
-            cones, nodes, links, blocks, block_numbers, materials, lights, frame.count                                 \
+            cones, instances, instance_roots, nodes, links, blocks, block_numbers, materials, lights, frame.count      \
     }
 
 // What a pixel's samples add up to.

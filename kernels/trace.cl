@@ -63,6 +63,9 @@ void merge_touching(const scene *s, const packet *p, ray r, encounter *e, ints a
         e->b = choose_boundary(active, both, e->b);
         e->h.distance = active ? h.distance : e->h.distance;
         e->h.primitive = active ? h.primitive : e->h.primitive;
+#if HAS_INSTANCE
+        e->h.inside = active ? h.inside : e->h.inside;
+#endif
     }
 }
 #endif
@@ -98,6 +101,9 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
 INLINE encounter choose_encounter(ints m, encounter a, encounter b) {
     a.h.distance = m ? a.h.distance : b.h.distance;
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
+#if HAS_INSTANCE
+    a.h.inside = m ? a.h.inside : b.h.inside;
+#endif
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
     a.entering = m ? a.entering : b.entering;

@@ -57,6 +57,14 @@ typedef struct {
     bounds bounds;
 } cone;
 
+/* A group that is placed in the world: world = linear * (a point of the group) + offset. The rows of `to_world` are the
+ * linear part's with the offset as w, those of `to_object` its inverse's. Their w: 1 unless the linear part is the identity;
+ * a power of two, about the group's size over the world's; and one over it. */
+typedef struct {
+    real4 to_world_x, to_world_y, to_world_z, to_object_x, to_object_y, to_object_z;
+    bounds bounds; /* in the world */
+} instance;
+
 /* Children of a node, and primitives of a leaf. */
 #define WIDTH 8
 
@@ -66,7 +74,7 @@ typedef struct {
     real rows[6][WIDTH]; /* low x, y, z, high x, y, z */
 } node;
 
-/* A leaf's block holds up to WIDTH primitives of one kind and with the same flags, number after number for each field; empty
+/* A leaf's block holds one instance, or up to WIDTH primitives of one kind and with the same flags, number after number for each field; empty
  * places repeat the last primitive. The tag: its kind, its flags, and the block's own number. */
 #define LINK_NODE 0xffffffffu
 #define TAG_KIND 29
@@ -121,6 +129,10 @@ typedef struct {
 #define KIND_TRIANGLE 4u
 #define KIND_POLYGON 5u
 #define KIND_CONE 6u
+#define KIND_INSTANCE 7u
+
+/* An instance's material if those inside keep their own. */
+#define OWN_MATERIAL 0xffffffffu
 
 #define FLAG_BACK_HIDDEN 1u  /* only the front is seen */
 #define FLAG_FRONT_HIDDEN 2u /* only the back is seen */

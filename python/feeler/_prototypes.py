@@ -1,8 +1,8 @@
 """A small reader of the kernels' source: its struct types and the prototypes of its functions.
 
 It knows the kernels' habits, not OpenCL C: a function's definition begins with its type at column 0, a struct is a
-`typedef struct { … } name;`, and neither is made by a macro. What `#if` leaves out is read too; of two definitions of a
-name the first counts.
+`typedef struct { … } name;`, and neither is made by a macro. A plain `#if NAME` may leave out members of a struct; else
+what `#if` leaves out is read too, and of two definitions of a name the first counts.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ _COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+(\d+)[uU]?[ \t]*$", re.MULTILINE)
 _OPTION = re.compile(r"-D[ ]*(\w+)=(\d+)\b")
 _DIRECTIVE = re.compile(r"^[ \t]*#(?:[^\n\\]|\\.|\\\n)*$", re.MULTILINE)
+_MEMBERS = re.compile(r"^[ \t]*#[ \t]*if[ \t]+(\w+)[ \t]*\n([^#]*)#[ \t]*endif", re.MULTILINE)
 _ATTRIBUTE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]+__attribute__\b", re.MULTILINE)
 _STRUCT = re.compile(r"typedef\s+struct\s*\w*\s*\{([^{}]*)\}\s*(\w+)\s*;")
 _FUNCTION = re.compile(
@@ -104,6 +105,9 @@ def read_prototypes(source: str, options: str) -> Prototypes:
         macros={name: int(value) for text in (_DEFINE.findall(code), _OPTION.findall(options)) for name, value in text}
     )
     attributes = "|".join(_ATTRIBUTE.findall(code))
+    code = _STRUCT.sub(
+        lambda struct: _MEMBERS.sub(lambda m: m[2] if found.macros.get(m[1], 1) else "", struct[0]), code
+    )
     code = _DIRECTIVE.sub("", code)
     if attributes:
         code = re.sub(rf"\b(?:{attributes})\b[ \t]*", "", code)
