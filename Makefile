@@ -26,7 +26,8 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
-  polygon.cl cone.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl optics.cl media.cl phong.cl camera.cl trace.cl render.cl)
+  polygon.cl cone.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl optics.cl media.cl phong.cl camera.cl trace.cl \
+  pixel.cl render.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))

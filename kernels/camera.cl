@@ -55,22 +55,30 @@ typedef struct {
 // Where the samples are: cells of equal size in rows that are as many as a square's, a longer row being a higher one. A
 // place depends on pixel and sample alone. One sample is at the centre.
 places place_samples(uints x, uints y, uints sample, uint samples, real jitter) {
+    places p;
+    p.x = p.y = splat(R(0.5));
+    if (samples == 1)
+        return p;
     uint rows = 1;
     while ((rows + 1) * (rows + 1) <= samples)
         rows++;
-    const uints row = divide(sample * rows + rows - 1, samples);
-    const uints first = divide(row * samples, rows), last = divide((row + 1) * samples, rows);
+    uints first, columns = rows; // the row's first sample, and how many it has
+    if (rows * rows == samples) {
+        first = divide(sample, rows) * rows;
+    } else {
+        const uints row = divide(sample * rows + rows - 1, samples);
+        first = divide(row * samples, rows);
+        columns = divide((row + 1) * samples, rows) - first;
+    }
     const hashes h = hash3(x, y, sample);
-    const real amount = samples == 1 ? R(0) : jitter;
-    const reals in_x = R(0.5) + amount * (unit_interval(h.x) - R(0.5));
-    const reals in_y = R(0.5) + amount * (unit_interval(h.y) - R(0.5));
-    places p;
-    p.x = (TO_REALS(sample - first) + in_x) / TO_REALS(last - first);
-    p.y = (TO_REALS(first) + in_y * TO_REALS(last - first)) / R(samples);
+    const reals in_x = R(0.5) + jitter * (unit_interval(h.x) - R(0.5));
+    const reals in_y = R(0.5) + jitter * (unit_interval(h.y) - R(0.5));
+    p.x = (TO_REALS(sample - first) + in_x) / TO_REALS(columns);
+    p.y = (TO_REALS(first) + in_y * TO_REALS(columns)) / R(samples);
     return p;
 }
 
-// Pixels of a work-item, and the lanes of each.
+// Pixels of a work-item; lane k is of pixel k mod PIXELS.
 #ifndef PIXELS_X
 #define PIXELS_X 1
 #define PIXELS_Y 1
@@ -78,27 +86,29 @@ places place_samples(uints x, uints y, uints sample, uint samples, real jitter) 
 #define PIXELS (PIXELS_X * PIXELS_Y)
 #define PER_PIXEL (RAYS / PIXELS)
 
-// The pixel and the sample of each lane: samples first, first + 1, ... of each pixel, from the pixel (x, y) on.
+// The pixel and the sample of each lane: samples first, first + 1, ... of each pixel, from the pixel (x, y) on. The pixels'
+// first samples come first, then the second ones.
 typedef struct {
     uints x, y, sample;
 } sites;
 
 sites make_sites(uint x, uint y, uint first) {
     sites at;
-    for (int lane = 0; lane < LANES; lane++) {
-        const int place = RAYS == 1 ? 0 : lane, pixel = place / PER_PIXEL;
-        ((private uint *)&at.x)[lane] = pixel % PIXELS_X;
-        ((private uint *)&at.y)[lane] = pixel / PIXELS_X;
-        ((private uint *)&at.sample)[lane] = place % PER_PIXEL;
-    }
-    at.x += x;
-    at.y += y;
-    at.sample += first;
+#if RAYS == 1
+    at.x = x;
+    at.y = y;
+    at.sample = first;
+#else
+    const uints place = JOIN(vload, LANES)(0, lane_numbers);
+    at.x = x + place % PIXELS % PIXELS_X;
+    at.y = y + place % PIXELS / PIXELS_X;
+    at.sample = first + place / PIXELS;
+#endif
     return at;
 }
 
 // The directions of the eye rays (16.5, 16.6).
-vectors eye_directions(const view *camera, sites at, uint4 frame) {
+vectors eye_directions(global const view *camera, sites at, uint4 frame) {
     const places p = place_samples(at.x, at.y, min(at.sample, frame.z - 1), frame.z, camera->limits.y);
     const reals across = TO_REALS(at.x) * R(2) - R(frame.x) + 2 * p.x;
     const reals down = R(frame.y) - TO_REALS(at.y) * R(2) - 2 * p.y;

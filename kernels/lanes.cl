@@ -90,15 +90,16 @@ uint lane_bits(ints m) {
 #endif
 }
 
+// The lanes' own numbers and bits.
+constant uint lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+constant integer lane_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
+
 // The mask whose lane k is true where bit k is set.
 ints mask_of_bits(uint bits) {
 #if LANES == 1
     return bits & 1;
 #else
-    ints one;
-    for (int lane = 0; lane < LANES; lane++)
-        INT_LANE(one, lane) = (integer)1 << lane;
-    return ((ints)((integer)bits) & one) != (ints)(0);
+    return ((ints)((integer)bits) & JOIN(vload, LANES)(0, lane_bit)) != (ints)(0);
 #endif
 }
 
@@ -120,7 +121,7 @@ bool any_ray(ints m) {
 #endif
 }
 
-// The least and the greatest of the lanes.
+// The least, the greatest and the sum of the lanes, from those that are half of all apart on.
 #if LANES == 1
 #define FOLD(a, f) (a)
 #else
@@ -140,15 +141,19 @@ bool any_ray(ints m) {
 #define FOLD4(a, f) (a)
 #endif
 #define FOLD(a, f) fold_##f(a)
-#define DEFINE_FOLD(f)                                                                                                 \
-    real fold_##f(reals a) {                                                                                           \
+#define plus(a, b) ((a) + (b))
+#define count(a, b) ((a) + (b))
+#define DEFINE_FOLD(one, many, f)                                                                                      \
+    one fold_##f(many a) {                                                                                             \
         const __typeof__(FOLD16(a, f)) b = FOLD16(a, f);                                                               \
         const __typeof__(FOLD8(b, f)) c = FOLD8(b, f);                                                                 \
         const __typeof__(FOLD4(c, f)) d = FOLD4(c, f);                                                                 \
         return f(d.lo, d.hi);                                                                                          \
     }
-DEFINE_FOLD(min)
-DEFINE_FOLD(max)
+DEFINE_FOLD(real, reals, min)
+DEFINE_FOLD(real, reals, max)
+DEFINE_FOLD(real, reals, plus)
+DEFINE_FOLD(integer, ints, count)
 #endif
 
 real least_lane(reals a) {

@@ -15,33 +15,52 @@
             cones, instances, instance_roots, nodes, links, blocks, block_numbers, materials, lights, frame.count      \
     }
 
-// What a pixel's samples add up to.
-typedef struct {
-    real4 colour, discarded;
-    tally tally;
-} pixel_sum;
+// The trees of the rays through the pixels from (x, y) on, sample after sample.
+INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global const int *eye_media,
+                             const launch *frame, uint x, uint y) {
+    const uint samples = frame->frame.z;
+    tree_sum parts[PACKETS];
+    uint packets = 0;
+    for (uint first = 0; first < samples; first += PER_PIXEL, packets++) {
+        const sites at = make_sites(x, y, first);
+        packet p;
+        p.origin = splat_xyz(camera->eye);
+        p.direction = eye_directions(camera, at, frame->frame);
+        p.weight = splat_xyz((real4)(1));
+        p.depth = 1;
+        p.active = AS_MASK((at.sample < samples) & (at.x < frame->tile.z) & (at.y < frame->tile.w));
+#if HAS_TRANSMISSION
+        for (int i = 0; i < MEDIA; i++)
+            p.in.material[i] = whole(eye_media[i]);
+#endif
+        const tree_sum sum = trace(s, camera, p, frame->frame.w);
+        private tree_sum *part = &parts[packets % PACKETS];
+        *part = packets < PACKETS ? sum : add_trees(*part, &sum);
+    }
+    return add_parts(parts, packets);
+}
 
-// Adds what the lanes found, sample after sample: the order of a sum is part of the picture.
-void add_samples(pixel_sum sums[PIXELS], const tree_sum *tree, ints active) {
-    const bool any_hits = any_ray(tree->hits); // else nothing was sent or discarded
-    for (int lane = 0; lane < RAYS; lane++) {
-        if (!INT_LANE(active, lane))
+// Writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
+NOINLINE void render_pixels(const scene *s, global const view *camera, global const int *eye_media, const launch *frame,
+                            uint x, uint y, global real4 *pixels, global real4 *discarded, global tally *tallies) {
+    const tree_sum sum = trace_pixels(s, camera, eye_media, frame, x, y);
+    const real samples = R(frame->frame.z);
+    for (uint i = 0; i < PIXELS; i++) {
+        const uint px = x + i % PIXELS_X, py = y + i / PIXELS_X;
+        if (px >= frame->tile.z || py >= frame->tile.w)
             continue;
-        pixel_sum *p = &sums[lane / PER_PIXEL];
-        const uint hits = INT_LANE(tree->hits, lane) ? 1 : 0;
-        p->colour += (real4)(REAL_LANE(tree->colour.x, lane), REAL_LANE(tree->colour.y, lane),
-                             REAL_LANE(tree->colour.z, lane), R(hits));
-        p->tally.extreme.x = max(p->tally.extreme.x, (uint)INT_LANE(tree->deepest, lane));
-        if (!any_hits)
-            continue;
-        p->discarded += (real4)(REAL_LANE(tree->discarded.x, lane), REAL_LANE(tree->discarded.y, lane),
-                                REAL_LANE(tree->discarded.z, lane), R(0));
-        p->tally.rays += (uint4)(INT_LANE(tree->reflection, lane), INT_LANE(tree->transmission, lane),
-                                 INT_LANE(tree->shadow, lane), hits);
+        const size_t at = (size_t)(py - frame->tile.y) * (frame->tile.z - frame->tile.x) + (px - frame->tile.x);
+        const uint hits = INT_LANE(sum.hits, i);
+        pixels[at] = (real4)(REAL_LANE(sum.colour.x, i), REAL_LANE(sum.colour.y, i), REAL_LANE(sum.colour.z, i),
+                             R(hits)) / samples;
+        discarded[at] = (real4)(REAL_LANE(sum.discarded.x, i), REAL_LANE(sum.discarded.y, i),
+                                REAL_LANE(sum.discarded.z, i), R(0)) / samples;
+        tallies[at].rays = (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
+        tallies[at].extreme = (uint4)(deepest_level(&sum, i), 0, 0, 0);
     }
 }
 
-// One pixel per work-item, or PIXELS; writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
+// One pixel per work-item, or PIXELS.
 kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, global const view *views,
                                                          global const int *eye_media, const launch frame,
                                                          global real4 *pixels, global real4 *discarded,
@@ -50,35 +69,7 @@ kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, globa
     if (x >= frame.tile.z || y >= frame.tile.w)
         return;
     const scene s = SCENE_ARGUMENTS;
-    const view camera = views[0];
-    const uint samples = frame.frame.z;
-    pixel_sum sums[PIXELS];
-    for (int i = 0; i < PIXELS; i++)
-        sums[i].colour = sums[i].discarded = (real4)(0), sums[i].tally.rays = sums[i].tally.extreme = (uint4)(0);
-    for (uint first = 0; first < samples; first += PER_PIXEL) {
-        const sites at = make_sites(x, y, first);
-        packet p;
-        p.origin = splat_xyz(camera.eye);
-        p.direction = eye_directions(&camera, at, frame.frame);
-        p.weight = splat_xyz((real4)(1));
-        p.depth = 1;
-        p.active = AS_MASK((at.sample < samples) & (at.x < frame.tile.z) & (at.y < frame.tile.w));
-#if HAS_TRANSMISSION
-        for (int i = 0; i < MEDIA; i++)
-            p.in.material[i] = whole(eye_media[i]);
-#endif
-        const tree_sum sum = trace(&s, &camera, p, frame.frame.w);
-        add_samples(sums, &sum, p.active);
-    }
-    for (int i = 0; i < PIXELS; i++) {
-        const uint px = x + i % PIXELS_X, py = y + i / PIXELS_X;
-        if (px >= frame.tile.z || py >= frame.tile.w)
-            continue;
-        const size_t at = (size_t)(py - frame.tile.y) * (frame.tile.z - frame.tile.x) + (px - frame.tile.x);
-        pixels[at] = sums[i].colour / R(samples);
-        discarded[at] = sums[i].discarded / R(samples);
-        tallies[at] = sums[i].tally;
-    }
+    render_pixels(&s, views, eye_media, &frame, x, y, pixels, discarded, tallies);
 }
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been

@@ -10,11 +10,10 @@ typedef struct {
 #endif
 } packet;
 
-// What a tree adds up to: colour, unsent weight and rays by kind for each lane, and the deepest level.
+// What a tree adds up to for each lane: colour, unsent weight, rays by kind, and the deepest level.
 typedef struct {
     vectors colour, discarded;
-    ints hits; // lanes whose eye ray hits
-    ints reflection, transmission, shadow, deepest;
+    ints hits, reflection, transmission, shadow, deepest; // hits: of eye rays
 } tree_sum;
 
 // Whether anything asks for the direction of transmission.
@@ -224,14 +223,14 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
 }
 
 // What eye rays that hit nothing see is left out where the background is to be transparent.
-INLINE vectors see_background(const view *camera, const packet *p, ints missed) {
+INLINE vectors see_background(global const view *camera, const packet *p, ints missed) {
     const bool shows = p->depth > 1 || camera->limits.z == R(0);
     return where(missed & mask(shows), mul(p->weight, splat_xyz(camera->background)));
 }
 
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
-INLINE tree_sum trace(const scene *s, const view *camera, packet p, uint depth) {
+INLINE tree_sum trace(const scene *s, global const view *camera, packet p, uint depth) {
     tree_sum sum;
     sum.colour = sum.discarded = where(mask(false), p.origin);
     sum.reflection = sum.transmission = sum.shadow = whole(0);
@@ -246,7 +245,7 @@ INLINE tree_sum trace(const scene *s, const view *camera, packet p, uint depth) 
         sum.colour = add(sum.colour, see_background(camera, &p, p.active & !found));
         sum.deepest = p.active ? max(sum.deepest, whole(p.depth)) : sum.deepest;
         if (p.depth == 1)
-            sum.hits = found;
+            sum.hits = count_where(whole(0), found);
         children next;
         next.reflected.active = next.transmitted.active = mask(false);
         if (any_ray(found)) {
