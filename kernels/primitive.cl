@@ -16,6 +16,9 @@ INLINE surface choose_surface(ints m, surface a, surface b) {
 #if HAS_TRIANGLE
 // A real4 of the triangles' corners, `word` telling which corner.
 vectors gather_corner(const scene *s, global const real4 *from, ints index, int corner, ints wanted) {
+    const integer some = INT_LANE(index, 0);
+    if (!any_ray(wanted & (index != whole(some)))) // most often all rays are at the same triangle
+        return splat_xyz(from[((global const uint *)(s->triangles + some))[corner]]);
     ints at = whole(0);
     for (int lane = 0; lane < RAYS; lane++)
         if (INT_LANE(wanted, lane))

@@ -136,7 +136,8 @@ INLINE hit try_apart(const scene *s, const ray *r, const beam *b, ints active, h
     global const uint *numbers = s->block_numbers + (link.y & TAG_NUMBER) * WIDTH;
     for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
         const boxes all = load_boxes(block, link.y >> TAG_KIND, chunk, TOGETHER);
-        for (uint bits = meet_boxes(b, all.low, all.high, limit); bits != 0; bits &= bits - 1) {
+        reals near;
+        for (uint bits = meet_boxes(b, all.low, all.high, limit, &near); bits != 0; bits &= bits - 1) {
             const uint k = chunk + lowest_bit(bits);
             if (k > 0 && numbers[k] == numbers[k - 1])
                 break; // only repetitions follow
@@ -178,6 +179,11 @@ hit traverse_lanes(const scene *s, const ray *r, uint lanes, hit best, uint2 her
     return best;
 }
 
+// So few children go on without asking every ray: most often all of a beam's rays meet them.
+#ifndef TIGHT
+#define TIGHT 2
+#endif
+
 // Fewer rays than this go on alone.
 #ifndef FEW
 #define FEW 3
@@ -194,6 +200,7 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
     uint2 here = at->link;
     uint lanes = at->lanes, looking = lane_bits(active);
     real limit = common_limit(r, active, &best);
+    reals before = best.distance;
     for (;;) {
         if (is_instance(here)) {
             at->link = here;
@@ -208,7 +215,16 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
             const ints wanted = mask_of_bits(lanes);
             waiting->floor = waiting->height;
             for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
-                uint bits = meet_boxes(&b, load_rows(rows, chunk), load_rows(rows + 3 * WIDTH, chunk), limit);
+                reals near;
+                uint bits = meet_boxes(&b, load_rows(rows, chunk), load_rows(rows + 3 * WIDTH, chunk), limit, &near);
+                if (popcount(bits) <= TIGHT) {
+                    for (; bits != 0; bits &= bits - 1) {
+                        const uint k = lowest_bit(bits);
+                        const errand e = {s->links[here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
+                        add_errand(waiting, e);
+                    }
+                    continue;
+                }
                 for (; bits != 0; bits &= bits - 1) {
                     const uint k = chunk + lowest_bit(bits);
                     const interval i = intersect_bounds(
@@ -226,7 +242,8 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
         } else {
             best = try_apart(s, r, &b, mask_of_bits(lanes), best, here, limit);
         }
-        if (here.y != LINK_NODE || popcount(lanes) < FEW) {
+        if (any_lane(best.distance < before)) {
+            before = best.distance;
             if (any)
                 looking = lane_bits(active & (best.primitive < 0));
             if (looking == 0)

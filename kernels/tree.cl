@@ -99,12 +99,13 @@ INLINE interval clip_axis(const beam *b, int axis, interval i, reals low, reals 
 
 // Which of the boxes side by side a ray of the beam may meet: each operation is monotone, so no box is left out that
 // intersect_bounds meets (Reshetov et al. 2005, Multi-Level Ray Tracing Algorithm).
-INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit) {
+INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit, reals *near) {
     interval i = {splat(-INFINITY), splat(INFINITY)};
     i = clip_axis(b, 0, i, low.x, high.x);
     i = clip_axis(b, 1, i, low.y, high.y);
     i = clip_axis(b, 2, i, low.z, high.z);
     i.far = widen(i.far);
+    *near = i.near;
     return lane_bits((i.near <= i.far) & (i.far >= b->least) & (i.near <= limit)) & ((1u << CHUNK) - 1);
 }
 #endif
