@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_TILE_PIXELS = 1 << 18 };
+enum { MOST_TILE_PIXELS = 1 << 16 };
 static const double tile_seconds = 0.1; /* what a launch should take: progress and Ctrl-C stay quick */
 
 static size_t region_pixels(const job *j) {
