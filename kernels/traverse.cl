@@ -136,8 +136,7 @@ INLINE hit try_apart(const scene *s, const ray *r, const beam *b, ints active, h
     global const uint *numbers = s->block_numbers + (link.y & TAG_NUMBER) * WIDTH;
     for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
         const boxes all = load_boxes(block, link.y >> TAG_KIND, chunk, TOGETHER);
-        reals near;
-        for (uint bits = meet_boxes(b, all.low, all.high, limit, &near); bits != 0; bits &= bits - 1) {
+        for (uint bits = meet_boxes(b, all.low, all.high, limit); bits != 0; bits &= bits - 1) {
             const uint k = chunk + lowest_bit(bits);
             if (k > 0 && numbers[k] == numbers[k - 1])
                 break; // only repetitions follow
@@ -194,6 +193,18 @@ real common_limit(const ray *r, ints active, const hit *best) {
     return greatest_lane(active ? farthest_near(r, best->distance) : splat(-INFINITY));
 }
 
+// An errand to the k-th child, only for those rays that meet its box.
+INLINE errand ask_rays(const ray *r, ints wanted, const hit *best, errand e, global const real *rows, uint k) {
+    const interval i = intersect_bounds(
+        *r, make_vectors(splat(rows[k]), splat(rows[WIDTH + k]), splat(rows[2 * WIDTH + k])),
+        make_vectors(splat(rows[3 * WIDTH + k]), splat(rows[4 * WIDTH + k]), splat(rows[5 * WIDTH + k])));
+    const ints met =
+        wanted & (i.near <= i.far) & (i.far >= nearest_far(r)) & (i.near <= farthest_near(r, best->distance));
+    e.near = least_lane(met ? i.near : splat(INFINITY));
+    e.lanes = lane_bits(met);
+    return e;
+}
+
 // Many rays' way from `at` on, each box and primitive against all of them, as walk_one.
 WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *waiting, errand *at, bool any) {
     const beam b = make_beam(r, active);
@@ -215,26 +226,14 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
             const ints wanted = mask_of_bits(lanes);
             waiting->floor = waiting->height;
             for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
-                reals near;
-                uint bits = meet_boxes(&b, load_rows(rows, chunk), load_rows(rows + 3 * WIDTH, chunk), limit, &near);
-                if (popcount(bits) <= TIGHT) {
-                    for (; bits != 0; bits &= bits - 1) {
-                        const uint k = lowest_bit(bits);
-                        const errand e = {s->links[here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
-                        add_errand(waiting, e);
-                    }
-                    continue;
-                }
+                const interval beams = intersect_beam(&b, load_rows(rows, chunk), load_rows(rows + 3 * WIDTH, chunk));
+                uint bits = open_boxes(&b, beams, limit);
+                const bool tight = popcount(bits) <= TIGHT;
                 for (; bits != 0; bits &= bits - 1) {
-                    const uint k = chunk + lowest_bit(bits);
-                    const interval i = intersect_bounds(
-                        *r, make_vectors(splat(rows[k]), splat(rows[WIDTH + k]), splat(rows[2 * WIDTH + k])),
-                        make_vectors(splat(rows[3 * WIDTH + k]), splat(rows[4 * WIDTH + k]),
-                                     splat(rows[5 * WIDTH + k])));
-                    const ints met = wanted & (i.near <= i.far) & (i.far >= nearest_far(r)) &
-                                     (i.near <= farthest_near(r, best.distance));
-                    const errand e = {s->links[here.x * WIDTH + k], least_lane(met ? i.near : splat(INFINITY)),
-                                      lane_bits(met)};
+                    const uint k = lowest_bit(bits);
+                    const reals near = beams.near;
+                    const errand all = {s->links[here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
+                    const errand e = tight ? all : ask_rays(r, wanted, &best, all, rows, chunk + k);
                     if (e.lanes != 0)
                         add_errand(waiting, e);
                 }

@@ -97,15 +97,24 @@ INLINE interval clip_axis(const beam *b, int axis, interval i, reals low, reals 
     return i;
 }
 
-// Which of the boxes side by side a ray of the beam may meet: each operation is monotone, so no box is left out that
-// intersect_bounds meets (Reshetov et al. 2005, Multi-Level Ray Tracing Algorithm).
-INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit, reals *near) {
+// The beam's interval in each of the boxes side by side: each operation is monotone, so it holds that of every ray
+// (Reshetov et al. 2005, Multi-Level Ray Tracing Algorithm).
+INLINE interval intersect_beam(const beam *b, vectors low, vectors high) {
     interval i = {splat(-INFINITY), splat(INFINITY)};
     i = clip_axis(b, 0, i, low.x, high.x);
     i = clip_axis(b, 1, i, low.y, high.y);
     i = clip_axis(b, 2, i, low.z, high.z);
     i.far = widen(i.far);
-    *near = i.near;
+    return i;
+}
+
+// In which of the boxes there may be something for a ray of the beam.
+uint open_boxes(const beam *b, interval i, real limit) {
     return lane_bits((i.near <= i.far) & (i.far >= b->least) & (i.near <= limit)) & ((1u << CHUNK) - 1);
+}
+
+// Which of the boxes side by side a ray of the beam may meet: none is left out that intersect_bounds meets.
+INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit) {
+    return open_boxes(b, intersect_beam(b, low, high), limit);
 }
 #endif
