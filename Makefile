@@ -64,6 +64,12 @@ $(BUILD)/kernel_source.c: $(KERNELS) Makefile | $(BUILD)
 	   for f in $(KERNELS); do echo "#line 1 \"$${f#kernels/}\""; cat $$f; done | od -An -v -tx1 | sed 's/ \(..\)/0x\1,/g'; \
 	   echo '0};'; } > $@
 
+# What OpenImageIO needs, the most basic first: see host/image_plugin.c. A name that is outdated later costs time only.
+$(BUILD)/image_libraries.h: Makefile | $(BUILD)
+	@ldd $$($(CC) -print-file-name=libOpenImageIO.so) | sed -n 's/^[ \t]*\([^ ]*\) => .*/"\1",/p' | tac > $@
+
+$(BUILD)/image_plugin.o: $(BUILD)/image_libraries.h
+
 # The public header without preprocessor lines, as cffi reads it.
 $(BUILD)/feeler_cdef.h: host/feeler.h | $(BUILD)
 	$(CC) -E -P -DFEELER_CDEF -D'__attribute__(x)=' $< | sed -n '/^typedef enum feeler_code/,$$p' > $@

@@ -121,9 +121,22 @@ static int outputs_make_partial(outputs *o) {
     return 0;
 }
 
+/* A render that is shown, and stopped as soon as it is known that its picture cannot be written. */
+typedef struct watch {
+    progress progress;
+    const char *out;
+    feeler_error error;
+} watch;
+
+static int watch_step(void *user, double fraction) {
+    watch *w = user;
+    return feeler_image_load_begin(w->out, &w->error) ? 1 : progress_step(&w->progress, fraction);
+}
+
 /* Loads and traces. Returns an exit code; EXIT_DONE and EXIT_INTERRUPTED may come with an image. */
-static int trace(job *j, const char *path, const char *name, feeler_image **image) {
+static int trace(job *j, const char *path, const outputs *o, feeler_image **image) {
     feeler_error error = {0};
+    watch watch = {.out = o->out};
     int code = EXIT_FAILED;
     const char *warning;
     feeler_scene *scene = feeler_scene_load(path, &error);
@@ -141,17 +154,25 @@ static int trace(job *j, const char *path, const char *name, feeler_image **imag
     j->hopeless = !j->device;
     if (j->hopeless)
         goto failed;
-    progress progress;
-    progress_begin(&progress, name, !j->quiet);
-    *image = feeler_render(scene, &j->settings, j->device, progress_step, &progress, &error);
-    progress_end(&progress);
-    if (!*image && error.code != FEELER_INTERRUPTED)
+    /* Not before: the loader of libraries works for one at a time, and the device's driver is one. */
+    j->hopeless = feeler_image_load_begin(o->out, &error);
+    if (j->hopeless)
+        goto failed;
+    progress_begin(&watch.progress, o->name, !j->quiet);
+    *image = feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);
+    progress_end(&watch.progress);
+    j->hopeless = watch.error.code != 0;
+    if (j->hopeless)
+        error = watch.error;
+    /* A driver's compiler may fail by the signal. */
+    bool stopped = error.code == FEELER_INTERRUPTED || (!*image && progress_interrupted());
+    if (j->hopeless || (!*image && !stopped))
         goto failed;
     feeler_scene_free(scene);
-    if (error.code != FEELER_INTERRUPTED)
+    if (!stopped)
         return EXIT_DONE;
     /* Ctrl-C while the kernel was compiled: the first tile alone is not worth a file. */
-    if (!progress.under_way) {
+    if (!watch.progress.under_way) {
         feeler_image_free(*image);
         *image = NULL;
     }
@@ -194,7 +215,7 @@ static int render_one(job *j, const char *scene) {
     }
     if (o.stats && output_check_text(o.stats))
         goto done;
-    code = trace(j, scene, o.name, &image);
+    code = trace(j, scene, &o, &image);
     if (code == EXIT_DONE) {
         code = save(j, scene, image, &o, false);
     } else if (code == EXIT_INTERRUPTED) {
@@ -237,6 +258,7 @@ int cmd_render(int argc, char **argv) {
         report_tuned();
     progress_catch_signals();
     code = render_all(&j, count, argv);
+    feeler_image_load_end();
     feeler_device_close(j.device);
     return code;
 }

@@ -157,9 +157,15 @@ typedef struct feeler_save_options {
 
 FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options,
                                  feeler_error *error);
-/* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists, and what writes
- * pictures is installed), else -1: ask before rendering. */
+/* 0 if `path` can be written as asked (known ending, alpha allowed, not a directory, folder exists), else -1: ask before
+ * rendering. */
 FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options *options, feeler_error *error);
+/* Begins to load what writes pictures in a thread of its own: it takes a quarter of a second, which a render need not wait
+ * for. 0, or -1 when it cannot be loaded, which may show only when it is asked again; `path` begins the message. Waits for
+ * nothing. For one thread only, as the next. */
+FEELER_API int feeler_image_load_begin(const char *path, feeler_error *error);
+/* Ends that thread, before exit(). What it has not loaded is loaded when a picture is saved. */
+FEELER_API void feeler_image_load_end(void);
 
 /* ---- work groups that were found best ---- */
 

@@ -94,7 +94,7 @@ int feeler_image_can_save(const char *path, const feeler_save_options *options, 
         return fail(error, FEELER_IO, "%s: %s", path, strerror(errno));
     if (check_folder(path, error))
         return -1;
-    return image_io_ready(path, error);
+    return image_io_known(path, error);
 }
 
 int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options, feeler_error *error) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,20 @@ def test_a_picture_too_large_for_the_memory(program: Path, scene: Path) -> None:
     assert (scene.parent / "a.exr").read_text() == "old"
     done = render_within(3_000_000, program, scene, "16x12")
     assert done.returncode == 0, done.stderr
+
+
+def test_what_writes_pictures_is_missing(program: Path, scene: Path) -> None:
+    """It is loaded while a render goes on; a long one stops as soon as that has failed."""
+    lonely = scene.parent / "lonely"
+    lonely.mkdir()
+    for name in ("feeler", "libfeeler.so"):
+        shutil.copy(program.parent / name, lonely)
+    command = [lonely / "feeler", "render", scene, "-o", scene.parent / "spheres.png"]
+    for size in ("16x12", "8000x8000"):
+        done = subprocess.run([*command, "--size", size], capture_output=True, text=True, check=False, timeout=300)
+        assert done.returncode == 1
+        assert re.fullmatch(r"feeler: .*spheres\.png: cannot write pictures: .*libfeeler-image\.so.*\n", done.stderr)
+        assert sorted(p.name for p in scene.parent.iterdir()) == ["lonely", "spheres.nff"]
 
 
 def test_a_kernel_that_does_not_build(cli: Any, scene: Path) -> None:
