@@ -16,6 +16,12 @@ from places import BUILD, ROOT
 os.environ["XDG_CONFIG_HOME"] = tempfile.mkdtemp(prefix="feeler-config-")
 os.environ.pop("FEELER_TUNED", None)
 
+# PoCL's cache of compiled kernels is not safe between processes: each worker of xdist has its own, and keeps it.
+if worker := os.environ.get("PYTEST_XDIST_WORKER"):
+    cache = Path(os.environ.get("POCL_CACHE_DIR", BUILD / "kernel-cache")).resolve() / worker
+    cache.mkdir(parents=True, exist_ok=True)
+    os.environ["POCL_CACHE_DIR"] = str(cache)
+
 # A kernel's first compilation takes seconds, and a failing example must be found again: no deadline, no chance.
 hypothesis.settings.register_profile("feeler", deadline=None, derandomize=True, max_examples=50, database=None)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "feeler"))
