@@ -48,6 +48,10 @@ MOVES: dict[str, list[dict[str, Any]]] = {
 }
 
 
+# One kernel for many scenes; that it gives the same bits as their own is tested too.
+GENERAL: dict[str, Any] = {"general": True, "depth": 6}
+
+
 def places(count: int) -> list[dict[str, Any]]:
     return [{"translate": [1.4 * (i % 4) - 2.1, 1.6 * (i // 4) - 0.3, 0.3 * (i % 3)]} for i in range(count)]
 
@@ -70,7 +74,7 @@ def copies_and_instances(move: str, material: str) -> list[feeler.Scene]:
 @pytest.mark.parametrize("move", MOVES)
 def test_instances_are_as_copies(move: str, material: str) -> None:
     """Within 1/4096, but for at most one pixel in a thousand: an edge may pass its centre on the other side."""
-    copies, instances = (scene.render(depth=4) for scene in copies_and_instances(move, material))
+    copies, instances = (scene.render(**GENERAL) for scene in copies_and_instances(move, material))
     difference = abs(copies.pixels.astype(float) - instances.pixels).max(-1)
     assert (difference > 1 / 4096).mean() <= 1e-3
     assert len(np.unique(copies.pixels.reshape(-1, 4), axis=0)) > 200
@@ -132,7 +136,7 @@ def test_the_same_bits(scene: feeler.Scene, picture: Any, options: dict[str, Any
 def test_lanes(scene: feeler.Scene) -> None:
     """Packets, and a ray side by side with eight boxes, with a tree and without."""
     for samples in (1, 16):
-        options: dict[str, Any] = {"samples": samples, "region": (8, 6, 32, 24)}
+        options: dict[str, Any] = {"samples": samples, "region": (8, 6, 32, 24), "work_group": (8, 8)}
         alone = scene.render(lanes=1, **options)
         together = scene.render(lanes=16, **options)
         assert same_bits(together.pixels, alone.pixels)
@@ -344,8 +348,8 @@ def test_the_eye_in_an_instance(room: str, move: str) -> None:
     placed = {"transform": MOVES.get(move, []), "material": "glass"}
     copy, instance = {**ROOMS[room], **placed}, {"instance": "room", **placed}
     groups = {"room": [ROOMS[room]]}
-    expected = feeler.Scene({**common, "objects": [copy, *seen]}).render(depth=4).pixels
-    found = feeler.Scene({**common, "groups": groups, "objects": [instance, *seen]}).render(depth=4).pixels
+    expected = feeler.Scene({**common, "objects": [copy, *seen]}).render(**GENERAL).pixels
+    found = feeler.Scene({**common, "groups": groups, "objects": [instance, *seen]}).render(**GENERAL).pixels
     if move == "identity":
         assert same_bits(found, expected)
     assert (abs(found.astype(float) - expected).max(-1) > 1 / 4096).mean() <= 1e-3
