@@ -187,9 +187,8 @@ uninstall: ## remove what install has put there
 # ---- checking it
 
 .PHONY: test test-long test-peers
-# A file's tests share kernels, which take most of the time, so that they go to one worker.
 test: ready ## set up, build and test (ARGS= goes to pytest)
-	$(VENV)/bin/pytest -q -n 2 --dist loadfile $(ARGS)
+	$(VENV)/bin/pytest -q -n 2 --dist loadgroup --no-loadscope-reorder $(ARGS)
 
 test-long: ready ## the tests that take minutes
 	$(VENV)/bin/pytest -q -m slow $(ARGS)

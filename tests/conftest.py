@@ -27,6 +27,23 @@ hypothesis.settings.register_profile("feeler", deadline=None, derandomize=True, 
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "feeler"))
 
 
+# What one worker of xdist does: a file's tests share kernels, and so do those of the first group. What takes longest begins.
+GROUPS = [
+    ("test_primitives", "test_polygons", "test_optics"),
+    ("test_invariants",), ("test_instances",), ("test_packets",), ("test_scenes",), ("test_probe",), ("test_python",),
+]  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    def group(item: pytest.Item) -> int:
+        return next((i for i, files in enumerate(GROUPS) if item.path.stem in files), len(GROUPS))
+
+    items.sort(key=group)
+    for item in items:
+        shares = GROUPS[group(item)][0] if group(item) < len(GROUPS) else item.path.stem
+        item.add_marker(pytest.mark.xdist_group(shares))
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The checkout."""
