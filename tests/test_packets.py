@@ -16,7 +16,7 @@ import feeler
 KINDS = ["sphere", "disc", "box", "triangle", "polygon", "cylinder", "open cone"]
 FEATURES = ("TRANSMISSION", "SPHERE", "DISC", "BOX", "TRIANGLE", "POLYGON", "CONE")
 BRUTE, TREE = only(*FEATURES), only(*FEATURES, "TREE")
-PLAIN = only()  # for rays and boxes
+PLAIN = only("TRANSMISSION", "TRIANGLE")  # for rays, with all that is in one, and boxes
 PACKET = 16  # rays that may travel together
 STEPS = 3  # hits along a ray, one behind the other
 
