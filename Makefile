@@ -195,7 +195,7 @@ uninstall: ## remove what install has put there
 
 .PHONY: test test-long test-peers
 test: ready ## set up, build and test (ARGS= goes to pytest)
-	$(VENV)/bin/pytest -q $(ARGS)
+	$(VENV)/bin/pytest -q -n 2 --dist loadgroup --no-loadscope-reorder $(ARGS)
 
 test-long: ready ## the tests that take minutes
 	$(VENV)/bin/pytest -q -m slow $(ARGS)

@@ -157,9 +157,18 @@ static bool is_inside(real4 p, bounds b) {
     return p.x >= b.low.x && p.x <= b.high.x && p.y >= b.low.y && p.y <= b.high.y && p.z >= b.low.z && p.z <= b.high.z;
 }
 
+/* Below a plane that is a half-space, or as near to it as rounding may take the eye. */
+static bool is_below(real4 p, const plane *plane, bool is_double) {
+    vec3 eye = {p.x, p.y, p.z}, point = {plane->point.x, plane->point.y, plane->point.z};
+    vec3 normal = {plane->normal.x, plane->normal.y, plane->normal.z};
+    double slack = (is_double ? 0x1p-49 : 0x1p-20) * (vec_extent(eye) + vec_extent(point));
+    return vec_dot(normal, vec_subtract(eye, point)) <= slack;
+}
+
 /* Meshes have one box together; what is in an instance is in its box. */
 bool eye_may_be_inside(const packed *p, real4 eye) {
     const uint4 *primitives = p->arrays[ARRAY_PRIMITIVES].data;
+    const plane *planes = p->arrays[ARRAY_PLANES].data;
     bounds meshes = empty_bounds();
     for (size_t i = 0; i < p->own; i++) {
         if (!(primitives[i].w & FLAG_SOLID) && primitives[i].x != KIND_INSTANCE)
@@ -167,7 +176,8 @@ bool eye_may_be_inside(const packed *p, real4 eye) {
         bounds b = primitive_bounds(p, i);
         if (primitives[i].x == KIND_TRIANGLE)
             meshes = join(meshes, b);
-        else if (is_inside(eye, b))
+        else if (is_inside(eye, b) ||
+                 (primitives[i].x == KIND_PLANE && is_below(eye, &planes[primitives[i].y], p->is_double)))
             return true;
     }
     return is_inside(eye, meshes);

@@ -23,7 +23,7 @@ Picture = NDArray[np.float32]
 WIDTH, HEIGHT, GAP, CAPTION = 320, 240, 8, 24
 PAPER, INK = "#1b1d20", "#c9ced6"
 
-# The first is twice as wide and high as the others. Two names that share a cell are shown half and half.
+# The first and the last are twice as wide and high as the others. Two names that share a cell are shown half and half.
 CELLS = [
     (("first",), "first: the demo picture"),
     (("still-life",), "still-life: every term of the model"),
@@ -34,8 +34,10 @@ CELLS = [
     (("sphereflake",), "sphereflake: level 4, generated"),
     (("rings",), "rings: Borromean chains, generated"),
     (("seashell",), "seashell: a mesh, generated"),
+    (("forest",), "forest: instances of groves of two trees"),
 ]
-PLACES = [(0, 0), (0, 2), (0, 3), (1, 2), (1, 3), (2, 0), (2, 1), (2, 2), (2, 3)]
+PLACES = [(0, 0), (0, 2), (0, 3), (1, 2), (1, 3), (2, 0), (2, 1), (3, 0), (3, 1), (2, 2)]
+LARGE = [(0, 0), (2, 2)]
 
 
 def read(path: Path) -> Picture:
@@ -63,15 +65,15 @@ def main() -> None:
         sys.exit("usage: contact_sheet.py OUT.png FOLDER")
     out, folder = Path(sys.argv[1]), Path(sys.argv[2])
     cell_width, cell_height = WIDTH + GAP, HEIGHT + CAPTION + GAP
-    width, height = 4 * cell_width + GAP, 3 * cell_height + GAP
+    width, height = 4 * cell_width + GAP, 4 * cell_height + GAP
     figure = plt.figure(figsize=(width / 100, height / 100), dpi=100, facecolor=PAPER)
-    for number, ((names, caption), (row, column)) in enumerate(zip(CELLS, PLACES, strict=True)):
+    for (names, caption), (row, column) in zip(CELLS, PLACES, strict=True):
         pictures = [read(folder / f"{name}.png") for name in names]
         picture = side_by_side(*pictures) if len(pictures) == 2 else pictures[0]
-        if number > 0:
+        if (row, column) not in LARGE:
             picture = halve(picture)
         x, y = GAP + column * cell_width, GAP + row * cell_height
-        if number == 0:
+        if (row, column) in LARGE:
             x, y = x + GAP // 2, y + (CAPTION + GAP) // 2
         figure.figimage(picture, x, height - y - picture.shape[0], origin="upper", resize=False)
         below = height - y - picture.shape[0] - CAPTION * 0.68

@@ -16,9 +16,32 @@ from places import BUILD, ROOT
 os.environ["XDG_CONFIG_HOME"] = tempfile.mkdtemp(prefix="feeler-config-")
 os.environ.pop("FEELER_TUNED", None)
 
+# PoCL's cache of compiled kernels is not safe between processes: each worker of xdist has its own, and keeps it.
+if worker := os.environ.get("PYTEST_XDIST_WORKER"):
+    cache = Path(os.environ.get("POCL_CACHE_DIR", BUILD / "kernel-cache")).resolve() / worker
+    cache.mkdir(parents=True, exist_ok=True)
+    os.environ["POCL_CACHE_DIR"] = str(cache)
+
 # A kernel's first compilation takes seconds, and a failing example must be found again: no deadline, no chance.
 hypothesis.settings.register_profile("feeler", deadline=None, derandomize=True, max_examples=50, database=None)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "feeler"))
+
+
+# What one worker of xdist does: a file's tests share kernels, and so do those of the first group. What takes longest begins.
+GROUPS = [
+    ("test_primitives", "test_polygons", "test_optics"),
+    ("test_invariants",), ("test_instances",), ("test_packets",), ("test_scenes",), ("test_probe",), ("test_python",),
+]  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    def group(item: pytest.Item) -> int:
+        return next((i for i, files in enumerate(GROUPS) if item.path.stem in files), len(GROUPS))
+
+    items.sort(key=group)
+    for item in items:
+        shares = GROUPS[group(item)][0] if group(item) < len(GROUPS) else item.path.stem
+        item.add_marker(pytest.mark.xdist_group(shares))
 
 
 @pytest.fixture(scope="session")

@@ -144,6 +144,17 @@ def cross(shapes: Shapes, r: Any, numbers: Any, way: str = "alone") -> tuple[Any
     return c.primitive >= 0, c._replace(distance=np.where(c.primitive >= 0, c.distance, 0))
 
 
+def cross_every_way(shapes: Shapes, r: Any, numbers: Any) -> tuple[Any, Any]:
+    """As `cross`, and that every way finds the same."""
+    found, c = cross(shapes, r, numbers)
+    for way in ("together", "apart") if shapes.kind != PLANE else ():
+        also, other = cross(shapes, r, numbers, way)
+        assert np.array_equal(also, found), way
+        for name in c._fields:
+            assert (getattr(other, name) == getattr(c, name))[found].all(), (way, name)
+    return found, c
+
+
 def surface(shapes: Shapes, r: Any, c: Any, numbers: Any) -> Any:
     """The surface at each crossing."""
     scene = shapes.scene()

@@ -48,6 +48,10 @@ MOVES: dict[str, list[dict[str, Any]]] = {
 }
 
 
+# One kernel for many scenes; that it gives the same bits as their own is tested too.
+GENERAL: dict[str, Any] = {"general": True, "depth": 6}
+
+
 def places(count: int) -> list[dict[str, Any]]:
     return [{"translate": [1.4 * (i % 4) - 2.1, 1.6 * (i // 4) - 0.3, 0.3 * (i % 3)]} for i in range(count)]
 
@@ -70,7 +74,7 @@ def copies_and_instances(move: str, material: str) -> list[feeler.Scene]:
 @pytest.mark.parametrize("move", MOVES)
 def test_instances_are_as_copies(move: str, material: str) -> None:
     """Within 1/4096, but for at most one pixel in a thousand: an edge may pass its centre on the other side."""
-    copies, instances = (scene.render(depth=4) for scene in copies_and_instances(move, material))
+    copies, instances = (scene.render(**GENERAL) for scene in copies_and_instances(move, material))
     difference = abs(copies.pixels.astype(float) - instances.pixels).max(-1)
     assert (difference > 1 / 4096).mean() <= 1e-3
     assert len(np.unique(copies.pixels.reshape(-1, 4), axis=0)) > 200
@@ -132,7 +136,7 @@ def test_the_same_bits(scene: feeler.Scene, picture: Any, options: dict[str, Any
 def test_lanes(scene: feeler.Scene) -> None:
     """Packets, and a ray side by side with eight boxes, with a tree and without."""
     for samples in (1, 16):
-        options: dict[str, Any] = {"samples": samples, "region": (8, 6, 32, 24)}
+        options: dict[str, Any] = {"samples": samples, "region": (8, 6, 32, 24), "work_group": (8, 8)}
         alone = scene.render(lanes=1, **options)
         together = scene.render(lanes=16, **options)
         assert same_bits(together.pixels, alone.pixels)
@@ -247,6 +251,47 @@ def test_an_ellipsoid_is_its_quadric(level: str, seed: int) -> None:
     assert (again.primitive < 0)[found].all(), "what leaves an ellipsoid does not hit it"
 
 
+def inverses(matrices: Any) -> Any:
+    """In extended precision, from doubles."""
+    a = matrices.astype(np.longdouble)
+    x = np.linalg.inv(matrices).astype(np.longdouble)
+    for _ in range(2):
+        x = x @ (2 * np.eye(3, dtype=np.longdouble) - a @ x)
+    return x
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_bound_of_placed_points(level: str) -> None:
+    """A point that is exact in its group: in the world it is within its bound, and a ray that starts off it begins on the
+    same side in the group. Maps of all sizes, stretched and turned, near the world's origin and far from it.
+    """
+    rng, count, real = np.random.default_rng(200), 5000, REAL[level]
+    turns = [np.linalg.qr(rng.normal(size=(count, 3, 3)))[0] for _ in range(2)]
+    size = np.exp(rng.uniform(-8, 8, (count, 1)))
+    to_object = (turns[0] * (np.exp(rng.uniform(-3, 3, (count, 3))) / size)[:, None] @ turns[1]).astype(real)
+    exact = inverses(to_object.astype(float))
+    offset = (rng.normal(size=(count, 3)) * size * rng.choice([0, 1, 1, 1000], (count, 1))).astype(real)
+    unit_of = 2.0 ** np.floor(np.log2(abs(to_object.astype(float)).max((1, 2))))
+    flags = np.stack([np.ones(count), unit_of, 1 / unit_of], 1)
+    out = np.concatenate([exact.astype(real), offset[..., None]], 2)
+    back = np.concatenate([to_object, flags.astype(real)[..., None]], 2)
+    rows = np.concatenate([out.reshape(count, 12), back.reshape(count, 12), np.zeros((count, 8), real)], 1)
+    options: dict[str, Any] = {"level": level, "options": only("TRANSMISSION", "INSTANCE", "SPHERE")}
+    at = feeler.probe("find_placement", {"instances": rows, "count": [0, 0, 0, 0]}, np.arange(count), **options)
+    point = (rng.normal(size=(count, 3)) * np.exp(rng.uniform(-3, 3, (count, 3)))).astype(real)
+    turned = unit((exact.swapaxes(1, 2) @ units(rng, count)[..., None])[..., 0].astype(float))  # all alike in the world
+    normal = np.where(rng.random((count, 1)) < 0.5, units(rng, count), turned).astype(real)
+    s = feeler.probe("place_surface", at, (point, np.zeros_like(point), normal, normal), **options)
+    where = (exact @ point[..., None].astype(np.longdouble))[..., 0] + offset
+    assert (abs(s.point - where) <= s.error).all()
+    for side in (1, -1):
+        start = feeler.probe("spawn", s.point, s.error, side * s.normal, **options)
+        ray = feeler.probe("make_ray", start, side * s.normal, **options)
+        inside = feeler.probe("move_ray", at, ray, **options).origin.astype(np.longdouble)
+        height = side * dot(inside - point, normal.astype(np.longdouble))
+        assert (height >= 0).all()
+
+
 def test_a_stretched_sphere_is_an_instance() -> None:
     ball = {"sphere": {"radius": 0.7}, "material": {"diffuse": [0.2, 0.5, 0.8]}}
     silent = feeler.Scene({**LIT, "objects": [{**ball, "transform": STRETCH}]})
@@ -277,17 +322,37 @@ def test_nested_groups_are_flattened() -> None:
     assert same_bits(scene.render().pixels, flat.render().pixels)
 
 
-def test_the_eye_in_an_instance() -> None:
-    """The eye's own media are found through instances, of a mesh too that is glass by its instance only."""
-    eye = {"eye": [0, 0, 0.1], "look_at": [0.3, 0.2, -5], "fov": 60}
-    boxes = {"room": [{"mesh": {"vertices": [[-2, -2, -2], [2, -2, -2], [2, -2, 2], [-2, -2, 2], [0, 3, 0]],
-                                "triangles": [[0, 1, 2], [0, 2, 3], [0, 4, 1], [1, 4, 2], [2, 4, 3], [3, 4, 0]]}}]}  # fmt: skip
-    mesh = boxes["room"][0]
-    ball = {"sphere": {"centre": [1, 0.5, -6], "radius": 1}, "material": {"diffuse": 0.8}}
-    common = {**LIT, "camera": eye, "materials": {"glass": GLASS}}
-    copy = feeler.Scene({**common, "objects": [{**mesh, "material": "glass"}, ball]})
-    instance = feeler.Scene({**common, "groups": boxes, "objects": [{"instance": "room", "material": "glass"}, ball]})
-    assert same_bits(instance.render().pixels, copy.render().pixels)
+ROOMS: dict[str, dict[str, Any]] = {
+    "mesh": {"mesh": {"vertices": [[-2, -2, -2], [2, -2, -2], [2, -2, 2], [-2, -2, 2], [0, 3, 0]],
+                      "triangles": [[0, 1, 2], [0, 2, 3], [0, 4, 1], [1, 4, 2], [2, 4, 3], [3, 4, 0]]}},
+    "sphere": {"sphere": {"centre": [0.25, 0, 0], "radius": 1.5}},
+    "cylinder": {"cylinder": {"base": [0, -1.5, 0], "top": [0, 1.5, 0], "radius": 1.5}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("move", ["identity", "translate", "rotate", "mirror", "scale"])
+@pytest.mark.parametrize("room", ROOMS)
+def test_the_eye_in_an_instance(room: str, move: str) -> None:
+    """The eye's own media are found through instances, of what is glass by its instance only too: another glass within it
+    bends by both, and an instance of the room is as a copy.
+    """
+    common = {
+        **LIT,
+        "camera": {"eye": [0, 0, 0.1], "look_at": [0.3, 0.2, -5], "fov": 60},
+        "materials": {"glass": GLASS, "other": {**GLASS, "ior": 1.2}},
+    }
+    seen = [
+        {"sphere": {"centre": [0.15, 0.1, -0.6], "radius": 0.25}, "material": "other"},
+        {"sphere": {"centre": [1, 0.5, -6], "radius": 1}, "material": {"diffuse": 0.8}},
+    ]
+    placed = {"transform": MOVES.get(move, []), "material": "glass"}
+    copy, instance = {**ROOMS[room], **placed}, {"instance": "room", **placed}
+    groups = {"room": [ROOMS[room]]}
+    expected = feeler.Scene({**common, "objects": [copy, *seen]}).render(**GENERAL).pixels
+    found = feeler.Scene({**common, "groups": groups, "objects": [instance, *seen]}).render(**GENERAL).pixels
+    if move == "identity":
+        assert same_bits(found, expected)
+    assert (abs(found.astype(float) - expected).max(-1) > 1 / 4096).mean() <= 1e-3
 
 
 def test_a_thousand_take_the_memory_of_one() -> None:

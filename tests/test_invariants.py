@@ -51,7 +51,8 @@ def test_regions(scene: feeler.Scene, picture: Any, region: tuple[int, int, int,
 
 # Of odd size, so that the pixels in the middle have samples whose rays go both ways along an axis.
 # One tile: how large they are without is a matter of time, and the sum behind a mean of their order.
-SMALL: dict[str, Any] = {"size": (29, 23), "region": (5, 3, 28, 20), "tile": 100_000}
+# One work group: by itself it depends on the lanes and the samples, and each is compiled.
+SMALL: dict[str, Any] = {"size": (29, 23), "region": (5, 3, 28, 20), "tile": 100_000, "work_group": (4, 4)}
 SAMPLES = (1, 3, 4, 5, 16, 64)
 WIDTHS = (1, 2, 4, 8, 16)
 

@@ -84,6 +84,16 @@ def test_the_eye_in_glass(nested: bool) -> None:
     assert not (((image.pixels[..., 0] > 0.5) != expected) & sure).any()
 
 
+def test_the_eye_below_a_plane() -> None:
+    """A plane is a half-space: who is in the water sees glass through it."""
+    view = camera((0, -3, -0.4), (0, -0.6, -2), up=(0, 0, 1), fov=50)
+    water = {"plane": {"normal": [0, 0, 1]}, "material": glass(A)}
+    image = render({"camera": view, "image": {"size": SIZE}, "objects": [water, layer(-2, -1, glass(B)), lamp(-2.5)]})
+    expected, sure = lands_on_lamp(view, [(-1.0, B), (-2.0, A)], -2.5, A)
+    assert 50 < expected.sum() < 2500
+    assert not (((image.pixels[..., 0] > 0.5) != expected) & sure).any()
+
+
 @pytest.mark.parametrize("extension", [False, True])
 def test_snells_window(extension: bool) -> None:
     """From within glass: the background inside the cone of 41.8103°, the reflection (rho_rg, extended by rho_tg) outside."""

@@ -16,6 +16,7 @@ import feeler
 KINDS = ["sphere", "disc", "box", "triangle", "polygon", "cylinder", "open cone"]
 FEATURES = ("TRANSMISSION", "SPHERE", "DISC", "BOX", "TRIANGLE", "POLYGON", "CONE")
 BRUTE, TREE = only(*FEATURES), only(*FEATURES, "TREE")
+PLAIN = only("TRANSMISSION", "TRIANGLE")  # for rays, with all that is in one, and boxes
 PACKET = 16  # rays that may travel together
 STEPS = 3  # hits along a ray, one behind the other
 
@@ -79,7 +80,7 @@ def make_rays(level: str) -> tuple[Any, Any]:
     direction = np.concatenate([camera, everywhere, np.where(ways == 0, rng.choice([0.0, -0.0], ways.shape), ways),
                                 nearly, everywhere])  # fmt: skip
     share = np.repeat(rng.choice([0, 0.1, 0.5, 1, 1], len(origin) // PACKET), PACKET)
-    return feeler.probe("make_ray", origin, direction, level=level, options=BRUTE), rng.random(len(origin)) < share
+    return feeler.probe("make_ray", origin, direction, level=level, options=PLAIN), rng.random(len(origin)) < share
 
 
 def nearest(level: str, r: Any) -> Any:
@@ -176,7 +177,7 @@ def meets(i: Any, least: Any, limit: Any) -> Any:
 
 def beam_of(r: Any, active: Any, rays: int, level: str) -> tuple[Any, dict[str, Any]]:
     """The beams of packets of so many rays, and how to ask them."""
-    options: dict[str, Any] = {"level": level, "lanes": rays, "options": BRUTE}
+    options: dict[str, Any] = {"level": level, "lanes": rays, "options": PLAIN}
     return feeler.probe("make_beam", r, active, **options), options
 
 
@@ -205,7 +206,7 @@ def test_a_beam_leaves_out_no_box_that_a_ray_meets(rays: int, level: str) -> Non
     assert set(np.unique(found)) == {0, (1 << min(rays, WIDTH)) - 1}
 
     each = feeler.probe("intersect_bounds", column(r), *(np.repeat(x, rays, 0) for x in (low, high)), level=level,
-                        options=BRUTE)  # fmt: skip
+                        options=PLAIN)  # fmt: skip
     met = meets(each, r.least[:, None], np.repeat(limit, rays, 0)) & active[:, None]
     met = met.reshape(packets, rays, -1).any(1)
     assert not (met & (found == 0)).any()
@@ -241,12 +242,12 @@ def test_a_row_of_boxes_is_met_like_each(lanes: int, level: str) -> None:
     hold the entry k and the next, and the result is lane 0's.
     """
     r, _ = make_rays(level)
-    options: dict[str, Any] = {"level": level, "lanes": lanes, "options": f"{BRUTE} -DRAYS=1"}
+    options: dict[str, Any] = {"level": level, "lanes": lanes, "options": f"{PLAIN} -DRAYS=1"}
     first = feeler.probe("near_sides", r.inverse, **options)
     for low, high in zip(*make_boxes(level, (12, WIDTH)), strict=True):
         rows = np.concatenate([low.T.ravel(), high.T.ravel(), np.zeros(WIDTH)])
         found = feeler.probe("intersect_rows", column(r), column(first), rows, np.arange(WIDTH), **options)
-        each = feeler.probe("intersect_bounds", column(r), low, high, level=level, options=BRUTE)
+        each = feeler.probe("intersect_bounds", column(r), low, high, level=level, options=PLAIN)
         somewhere = np.isfinite(low).all(1)
         assert np.array_equal(found[:, somewhere], each[:, somewhere])
         assert not meets(found[:, ~somewhere], 0, np.finfo(REAL[level]).max).any()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import LEVELS, POLYGON, REAL, SHAPES, WAYS, Shapes, column, cross, frame, ray, unit, units
+from shapes import LEVELS, POLYGON, REAL, SHAPES, Shapes, column, cross_every_way, frame, ray, unit, units
 
 import feeler
 
@@ -51,9 +51,8 @@ def targets(rng: np.random.Generator, corners: Any) -> Any:
     )
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
-def test_on_a_grid(level: str, way: str) -> None:
+def test_on_a_grid(level: str) -> None:
     """Rays along an axis through points of a grid: nothing is rounded, and many pass through corners and edges."""
     inside, on_corners = 0, 0
     for count in CORNERS:
@@ -70,7 +69,7 @@ def test_on_a_grid(level: str, way: str) -> None:
         shapes = Shapes(POLYGON, level, rows, points=in_space(flat, 2))
         numbers = np.repeat(np.arange(POLYGONS), RAYS)
         at = at.reshape(-1, 2)
-        found, _ = cross(shapes, ray(level, in_space(at, 2 - 5 * forth), direction), numbers, way)
+        found, _ = cross_every_way(shapes, ray(level, in_space(at, 2 - 5 * forth), direction), numbers)
         expected = [is_inside(flat[i] - point) for i, point in zip(numbers, at, strict=True)]
         assert np.array_equal(found, expected), count
         inside += sum(expected)
@@ -79,9 +78,8 @@ def test_on_a_grid(level: str, way: str) -> None:
     assert on_corners > 1000
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
-def test_anyhow_turned(level: str, way: str) -> None:
+def test_anyhow_turned(level: str) -> None:
     """What is decided is right for the corners as the ray sees them, which are rounded."""
     near = 0
     for count in CORNERS:
@@ -97,7 +95,7 @@ def test_anyhow_turned(level: str, way: str) -> None:
         origin = (goals - units(rng, POLYGONS * RAYS).reshape(goals.shape) * away).astype(REAL[level]).astype(float)
         r = ray(level, origin.reshape(-1, 3), unit(goals - origin).reshape(-1, 3))
         numbers = np.repeat(np.arange(POLYGONS), RAYS)
-        found, _ = cross(shapes, r, numbers, way)
+        found, _ = cross_every_way(shapes, r, numbers)
         corners = feeler.probe("apply_shear", column(r), shapes.points[numbers], level=level, options=SHAPES)[..., :2]
         expected = [is_inside(c) for c in corners]
         assert np.array_equal(found, expected), count

@@ -22,6 +22,7 @@ from shapes import (
     WAYS,
     Shapes,
     cross,
+    cross_every_way,
     dot,
     frame,
     gap,
@@ -64,15 +65,14 @@ def leave(rng: np.random.Generator, side: Any) -> Any:
     return np.where(rng.random((len(side), 1)) < 0.5, unit(along), e)
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("name", FLAT + SOLID + ["open cone"])
-def test_points_are_within_their_error_and_rays_leave(name: str, level: str, way: str) -> None:
+def test_points_are_within_their_error_and_rays_leave(name: str, level: str) -> None:
     """Pbrt's Reintersect, with sizes of 1e-3 … 1e3 and rays from up to 1e4 sizes away."""
     shapes = random_shapes(name, level, 1000, seed=2)
     numbers, origin, direction = aim(shapes, COUNT[level], seed=1)
     r = ray(level, origin, direction)
-    found, c = cross(shapes, r, numbers, way)
+    found, c = cross_every_way(shapes, r, numbers)
     assert found.mean() > (0.7 if name == "open cone" else 0.995)
     s = surface(shapes, r, c, numbers)
     allowed = dot(abs(s.normal.astype(float)), s.error.astype(float))
@@ -87,7 +87,7 @@ def test_points_are_within_their_error_and_rays_leave(name: str, level: str, way
     outside = np.where(dot(s.normal, r.direction)[:, None] < 0, s.normal, -s.normal).astype(float)
     for side in (outside, -outside) if name in FLAT else (outside,):
         second = ray(level, spawn(level, s, side), leave(rng, side))
-        again, _ = cross(shapes, second, numbers, way)
+        again, _ = cross_every_way(shapes, second, numbers)
         if name == "triangle":  # a thin one's exact normal is another: rays that do not leave by it
             a, b, c3 = np.moveaxis(shapes.points[numbers].astype(np.longdouble), 1, 0)
             exact = np.cross(b - a, c3 - a)
@@ -95,18 +95,17 @@ def test_points_are_within_their_error_and_rays_leave(name: str, level: str, way
         assert not (again & found).any(), f"{(again & found).sum()} rays hit what they left"
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("level", LEVELS)
-def test_rays_inside_a_sphere_meet_its_other_side(level: str, way: str) -> None:
+def test_rays_inside_a_sphere_meet_its_other_side(level: str) -> None:
     shapes = random_shapes("sphere", level, 1000, seed=5)
     numbers, origin, direction = aim(shapes, COUNT[level], seed=6, most=100)
     r = ray(level, origin, direction)
-    _, c = cross(shapes, r, numbers, way)
+    _, c = cross_every_way(shapes, r, numbers)
     s = surface(shapes, r, c, numbers)
     inwards = -s.normal.astype(float)
     start = spawn(level, s, inwards)
     second = ray(level, start, leave(np.random.default_rng(7), inwards))
-    again, c = cross(shapes, second, numbers, way)
+    again, c = cross_every_way(shapes, second, numbers)
     assert again.all()
     o, d = start.astype(np.longdouble), second.direction.astype(np.longdouble)
     f, radius = o - shapes.rows[numbers, :3], shapes.rows[numbers, 3].astype(np.longdouble)
@@ -165,10 +164,9 @@ def inside_triangle(o: Any, d: Any, corners: Any) -> Any:
 WRONG_WITHIN = {"sphere": 8, "box": 8, "cylinder": 16, "triangle": 12}
 
 
-@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("name", WRONG_WITHIN)
 @pytest.mark.parametrize("away", [1.5, 1e2, 1e4, 1e6])
-def test_decisions_are_right_beyond_their_bound(name: str, away: float, way: str) -> None:
+def test_decisions_are_right_beyond_their_bound(name: str, away: float) -> None:
     """NUMERICS rows 1, 3, 4, 8: rays near the outlines of shapes, from near and far; 0 wrong ones."""
     rng = np.random.default_rng(11)
     n, level = 20_000, "standard"
@@ -185,7 +183,7 @@ def test_decisions_are_right_beyond_their_bound(name: str, away: float, way: str
         target = middle + off * (u * np.cos(turn) + v * np.sin(turn))
     origin = (target - d * size[:, None] * away).astype(np.float32).astype(float)
     r = ray(level, origin, unit(target - origin))
-    found, _ = cross(shapes, r, numbers, way)
+    found, _ = cross_every_way(shapes, r, numbers)
     o, e = r.origin.astype(np.longdouble), r.direction.astype(np.longdouble)
     rows = shapes.rows[numbers]
     reach = length(o - middle) + size + length(middle)

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shapes import only
 
 import feeler
 from feeler._layout import Layout
 from feeler._prototypes import read_prototypes
 
+PLAIN = only()  # builds in a second; without options everything is built
+SPHERE = only("SPHERE")
 ORIGINS = np.array([[0, 0, 5], [0.5, 0, 5], [3, 0, 5], [0, 0.25, 5], [9, 0, 5.0]])
 SPHERES = np.array([[0, 0, 0, 1, -1, -1, -1, 0, 1, 1, 1, 0], [3, 0, 0, 0.5, 2.5, -0.5, -0.5, 0, 3.5, 0.5, 0.5, 0]])
 
@@ -35,30 +38,30 @@ def test_reference_is_float64() -> None:
 @given(st.lists(st.floats(-1e3, 1e3, width=32), min_size=1, max_size=40), st.sampled_from([1, 2, 4, 8, 16]))
 def test_lanes_never_change_bits(values: list[float], lanes: int) -> None:
     arguments = (values, values[::-1], 0.5, [values[0]])
-    wide = feeler.probe("difference_of_products", *arguments, lanes=lanes)
-    assert np.array_equal(wide, feeler.probe("difference_of_products", *arguments))
+    wide = feeler.probe("difference_of_products", *arguments, lanes=lanes, options=PLAIN)
+    assert np.array_equal(wide, feeler.probe("difference_of_products", *arguments, options=PLAIN))
 
 
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_vectors_and_structs(lanes: int) -> None:
-    cross = feeler.probe("cross3", [1.0, 0, 0], [[0, 1.0, 0], [0, 0, 1]], lanes=lanes)
+    cross = feeler.probe("cross3", [1.0, 0, 0], [[0, 1.0, 0], [0, 0, 1]], lanes=lanes, options=PLAIN)
     assert np.array_equal(cross, [[0, 0, 1], [0, -1, 0]])
-    as_members = feeler.probe("cross3", (1, 0, 0), {"x": [0, 0], "y": [1, 0], "z": [0, 1]}, lanes=lanes)
+    as_members = feeler.probe("cross3", (1, 0, 0), {"x": [0, 0], "y": [1, 0], "z": [0, 1]}, lanes=lanes, options=PLAIN)
     assert np.array_equal(as_members, cross)
-    quads = feeler.probe("splat_xyz", [[1, 2, 3, 4]], lanes=1)
+    quads = feeler.probe("splat_xyz", [[1, 2, 3, 4]], lanes=1, options=PLAIN)
     assert np.array_equal(quads, [[1, 2, 3]])
 
 
 def test_structured_arrays() -> None:
     vectors = np.zeros(2, [("x", "f4"), ("y", "f4"), ("z", "f4")])
     vectors["x"] = 1
-    assert np.array_equal(feeler.probe("cross3", vectors, [0.0, 1, 0]), [[0, 0, 1]] * 2)
+    assert np.array_equal(feeler.probe("cross3", vectors, [0.0, 1, 0], options=PLAIN), [[0, 0, 1]] * 2)
 
 
 @pytest.mark.parametrize("level", ["draft", "standard", "reference"])
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_results_are_arguments(level: str, lanes: int) -> None:
-    options: dict[str, Any] = {"level": level, "lanes": lanes}
+    options: dict[str, Any] = {"level": level, "lanes": lanes, "options": SPHERE}
     ray = feeler.probe("make_ray", ORIGINS, [0, 0, -1.0], **options)
     assert ray.origin.shape == (5, 3)
     crossing = feeler.probe("intersect_sphere", ray, [0, 0, 0.0], 1.0, 0, **options)
@@ -77,33 +80,33 @@ def test_a_whole_scene_as_a_dict_of_tables(lanes: int) -> None:
         "links": [[0, 0]],
         "count": [0, 1, 0, 0],
     }
-    ray = feeler.probe("make_ray", ORIGINS, [0, 0, -1.0], lanes=lanes)
-    hit = feeler.probe("closest_hit", scene, ray, True, lanes=lanes, options="-DHAS_TREE=0")
+    ray = feeler.probe("make_ray", ORIGINS, [0, 0, -1.0], lanes=lanes, options=SPHERE)
+    hit = feeler.probe("closest_hit", scene, ray, True, lanes=lanes, options=SPHERE)
     assert list(hit.primitive) == [0, 0, 1, 0, -1]
     assert hit.distance[2] == 4.5
 
 
 def test_global_pointers_take_whole_arrays() -> None:
     table = np.arange(16)
-    quads = feeler.probe("gather", table, [2, 0, 1], 4, lanes=2)
+    quads = feeler.probe("gather", table, [2, 0, 1], 4, lanes=2, options=PLAIN)
     assert np.array_equal(quads.w, [11, 3, 7])
 
 
 def test_masks_and_results_without_lanes() -> None:
     mask = [True, False, True, False, False, False]
-    assert np.array_equal(feeler.probe("any_lane", mask, lanes=2), [1, 1, 0])
-    assert np.array_equal(feeler.probe("lane_bits", mask, lanes=4), [0b0101, 0])
+    assert np.array_equal(feeler.probe("any_lane", mask, lanes=2, options=PLAIN), [1, 1, 0])
+    assert np.array_equal(feeler.probe("lane_bits", mask, lanes=4, options=PLAIN), [0b0101, 0])
 
 
 def test_one_ray_is_in_all_lanes() -> None:
     rows = np.arange(16.0)
-    near = feeler.probe("least_lane", [3.0, 1, 2], lanes=4, options="-DRAYS=1")
+    near = feeler.probe("least_lane", [3.0, 1, 2], lanes=4, options=f"{PLAIN} -DRAYS=1")
     assert np.array_equal(near, [3, 1, 2])
-    assert np.array_equal(feeler.probe("gather", rows, [2, 0], 4, lanes=4, options="-DRAYS=1").w, [11, 3])
+    assert np.array_equal(feeler.probe("gather", rows, [2, 0], 4, lanes=4, options=f"{PLAIN} -DRAYS=1").w, [11, 3])
 
 
 def test_what_varies_without_lanes_has_a_work_item_each() -> None:
-    result = feeler.probe("splat_xyz", np.arange(12).reshape(3, 4), lanes=4)
+    result = feeler.probe("splat_xyz", np.arange(12).reshape(3, 4), lanes=4, options=PLAIN)
     assert np.array_equal(result, [[0, 1, 2], [4, 5, 6], [8, 9, 10]])
 
 
