@@ -131,16 +131,16 @@ static size_t block_fields(const packed *p, uint32_t number, real fields[ROWS_CO
     return n;
 }
 
-/* A block of up to WIDTH primitives of one tag. */
+/* A block of up to `width` primitives of one tag. */
 link add_block(packed *p, const uint32_t *numbers, size_t count) {
     array *blocks = &p->arrays[ARRAY_BLOCKS], *all = &p->arrays[ARRAY_BLOCK_NUMBERS];
     link l = {(uint32_t)blocks->count, tag_of(p, numbers[0]) | (uint32_t)p->blocks++};
-    real fields[ROWS_CONE], *out = (real *)blocks->data + blocks->count * WIDTH;
-    for (size_t i = 0; i < WIDTH; i++) {
+    real fields[ROWS_CONE], *out = (real *)blocks->data + blocks->count * p->width;
+    for (size_t i = 0; i < p->width; i++) {
         uint32_t number = numbers[i < count ? i : count - 1];
         size_t n = block_fields(p, number, fields);
         for (size_t f = 0; f < n; f++)
-            out[f * WIDTH + i] = fields[f];
+            out[f * p->width + i] = fields[f];
         ((uint32_t *)all->data)[all->count++] = number;
         if (i == 0)
             blocks->count += n;
@@ -170,13 +170,13 @@ static size_t count_rows(const packed *p, const uint32_t *numbers, size_t count)
 int reserve_blocks(packed *p, const uint32_t *numbers, size_t count, feeler_error *error) {
     if (array_reserve(&p->arrays[ARRAY_BLOCKS], count_rows(p, numbers, count), error) < 0)
         return -1;
-    return array_reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], count * WIDTH, error);
+    return array_reserve(&p->arrays[ARRAY_BLOCK_NUMBERS], count * p->width, error);
 }
 
 int list_blocks(packed *p, const uint32_t *numbers, size_t count, feeler_error *error) {
     for (size_t i = 0, n; i < count; i += n) {
         n = run_length(p, numbers + i, count - i);
-        n = n < WIDTH ? n : WIDTH;
+        n = n < p->width ? n : p->width;
         link *l = array_add(&p->arrays[ARRAY_LINKS], 1, error);
         if (!l)
             return -1;

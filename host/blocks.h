@@ -20,7 +20,7 @@ int reserve_blocks(packed *packed, const uint32_t *numbers, size_t count, feeler
 size_t group_by_tag(const packed *packed, uint32_t *numbers, size_t count);
 /* How many of the numbers, from the first on, are of its group. */
 size_t run_length(const packed *packed, const uint32_t *numbers, size_t count);
-/* Makes a block of up to WIDTH primitives of one group; there is room. */
+/* Makes a block of up to `width` primitives of one group; there is room. */
 link add_block(packed *packed, const uint32_t *numbers, size_t count);
 
 /* Blocks of neighbours in the list, each with a link; for scenes without a tree. */

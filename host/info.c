@@ -76,7 +76,7 @@ char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *s
     packed p;
     if (resolve_settings(scene, settings, &s, error) < 0)
         return NULL;
-    if (pack_scene(&p, scene, s.level == FEELER_REFERENCE, s.brute_force, error) < 0)
+    if (pack_scene(&p, scene, &s, error) < 0)
         return NULL;
     const needs n = choose_needs(scene, &s);
     char *text = NULL, *options = program_options(&s, n, error);

@@ -18,13 +18,13 @@ static const array empty_arrays[ARRAY_COUNT] = {
     [ARRAY_NORMALS] = {.name = "normals", .element = sizeof(real4), .is_real = true},
     [ARRAY_POLYGONS] = {.name = "polygons", .element = sizeof(polygon), .is_real = true},
     [ARRAY_POLYGON_RANGES] = {.name = "polygon_ranges", .element = sizeof(uint4)},
-    [ARRAY_CORNERS] = {.name = "corners", .element = WIDTH * sizeof(real), .is_real = true},
+    [ARRAY_CORNERS] = {.name = "corners", .is_real = true}, /* rows of the width */
     [ARRAY_CONES] = {.name = "cones", .element = sizeof(cone), .is_real = true},
     [ARRAY_INSTANCES] = {.name = "instances", .element = sizeof(instance), .is_real = true},
     [ARRAY_INSTANCE_ROOTS] = {.name = "instance_roots", .element = sizeof(uint4)},
-    [ARRAY_NODES] = {.name = "nodes", .element = sizeof(node), .is_real = true},
+    [ARRAY_NODES] = {.name = "nodes", .is_real = true},
     [ARRAY_LINKS] = {.name = "links", .element = 2 * sizeof(uint32_t)},
-    [ARRAY_BLOCKS] = {.name = "blocks", .element = WIDTH * sizeof(real), .is_real = true},
+    [ARRAY_BLOCKS] = {.name = "blocks", .is_real = true},
     [ARRAY_BLOCK_NUMBERS] = {.name = "block_numbers", .element = sizeof(uint32_t)},
     [ARRAY_MATERIALS] = {.name = "materials", .element = sizeof(material), .is_real = true},
     [ARRAY_LIGHTS] = {.name = "lights", .element = sizeof(light), .is_real = true},
@@ -206,8 +206,8 @@ static vec3 polygon_normal(corners c, size_t count, vec3 middle, double size) {
 }
 
 static int pack_polygon(packed *p, const scene_object *object, feeler_error *error) {
-    size_t count = object->polygon.count, length = (count + WIDTH - 1) / WIDTH * WIDTH + 1;
-    size_t units = (3 * length + WIDTH - 1) / WIDTH;
+    size_t count = object->polygon.count, length = (count + p->width - 1) / p->width * p->width + 1;
+    size_t units = (3 * length + p->width - 1) / p->width;
     polygon *s = add_primitive(p, ARRAY_POLYGONS, KIND_POLYGON, object, 0, error);
     uint4 *range = s ? array_add(&p->arrays[ARRAY_POLYGON_RANGES], 1, error) : NULL;
     corners c = {range ? array_add(&p->arrays[ARRAY_CORNERS], units, error) : NULL, length};
@@ -334,10 +334,17 @@ static int pack_objects(packed *p, const feeler_scene *scene, feeler_error *erro
     return 0;
 }
 
-int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error) {
+int node_width(const feeler_settings *settings) {
+    return settings->lanes == MOST_WIDTH ? MOST_WIDTH : WIDTH;
+}
+
+int pack_scene(packed *p, const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     memset(p, 0, sizeof *p);
     memcpy(p->arrays, empty_arrays, sizeof empty_arrays);
-    p->is_double = is_double;
+    p->width = (size_t)node_width(settings);
+    p->arrays[ARRAY_CORNERS].element = p->arrays[ARRAY_BLOCKS].element = p->width * sizeof(real);
+    p->arrays[ARRAY_NODES].element = NODE_ROWS * p->width * sizeof(real);
+    p->is_double = settings->level == FEELER_REFERENCE;
     p->origin = scene_origin(scene);
     int status = pack_materials(p, scene, error);
     if (status == 0)
@@ -346,7 +353,7 @@ int pack_scene(packed *p, const feeler_scene *scene, bool is_double, bool brute_
     if (status == 0)
         status = pack_groups(p, scene, error);
     if (status == 0)
-        status = build_trees(p, brute_force, error);
+        status = build_trees(p, settings->brute_force, error);
     if (status < 0)
         packed_free(p);
     return status;

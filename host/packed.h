@@ -90,7 +90,8 @@ typedef struct packed_group {
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
-    vec3 origin; /* of the packed coordinates, in the scene's */
+    size_t width; /* children of a node, and primitives of a block */
+    vec3 origin;  /* of the packed coordinates, in the scene's */
     size_t own;  /* primitives that are not a group's */
     packed_group *groups;
     size_t group_count;
@@ -99,8 +100,11 @@ typedef struct packed {
     double tree_seconds;
 } packed;
 
-/* Reads a validated scene. `brute_force`: without a tree. */
-int pack_scene(packed *packed, const feeler_scene *scene, bool is_double, bool brute_force, feeler_error *error);
+/* Reads a validated scene for resolved settings. */
+int pack_scene(packed *packed, const feeler_scene *scene, const feeler_settings *settings, feeler_error *error);
+
+/* Children of a node: as many as a packet's lanes fill a vector, or eight. */
+int node_width(const feeler_settings *settings);
 void packed_free(packed *packed);
 
 bool is_black(vec3 colour);

@@ -57,8 +57,8 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
     }
     int rays = s->samples * s->pixels[0] * s->pixels[1] > 1 ? s->lanes : 1;
     used = (size_t)snprintf(text, size,
-                            "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
-                            s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
+                            "-cl-std=CL1.2 -DWIDTH=%d -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
+                            node_width(s), s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)

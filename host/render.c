@@ -153,7 +153,7 @@ static size_t slot_room(const job *j) {
 
 static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const feeler_settings *s = &j->settings;
-    if (pack_scene(&j->packed, scene, s->level == FEELER_REFERENCE, s->brute_force, error) < 0)
+    if (pack_scene(&j->packed, scene, s, error) < 0)
         return -1;
     j->needs = choose_needs(scene, s);
     const view view = pack_view(scene, s, j->packed.origin);

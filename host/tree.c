@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* kernels/tree.cl has room for WIDTH - 1 waiting children of each level, and of the one that splits a leaf by kind. */
+/* kernels/tree.cl has room for width - 1 waiting children of each level, and of the one that splits a leaf by kind. */
 enum { MOST_LEVELS = 20 };
 
 /* What Embree builds. A leaf may mix kinds of primitives; a block cannot. */
 typedef struct branch {
     size_t count; /* primitives, 0 for an inner node */
     union {
-        struct branch *children[WIDTH];
-        uint32_t numbers[WIDTH];
+        struct branch *children[MOST_WIDTH];
+        uint32_t numbers[MOST_WIDTH];
     };
 } branch;
 
@@ -41,7 +41,7 @@ static void set_bounds(void *node, const struct RTCBounds **boxes, unsigned int 
 static void *create_leaf(RTCThreadLocalAllocator allocator, const struct RTCBuildPrimitive *primitives, size_t count,
                          void *user) {
     (void)user;
-    branch *b = count <= WIDTH ? rtcThreadLocalAlloc(allocator, sizeof *b, 16) : NULL;
+    branch *b = count <= MOST_WIDTH ? rtcThreadLocalAlloc(allocator, sizeof *b, 16) : NULL;
     if (!b)
         return NULL;
     b->count = count;
@@ -84,12 +84,12 @@ static struct RTCBuildPrimitive *build_primitives(const packed *p, const uint32_
 }
 
 static void set_child(packed *p, size_t index, size_t child, bounds box, link l) {
-    node *n = (node *)p->arrays[ARRAY_NODES].data + index;
-    ((link *)p->arrays[ARRAY_LINKS].data)[index * WIDTH + child] = l;
+    real *rows = (real *)p->arrays[ARRAY_NODES].data + index * NODE_ROWS * p->width;
+    ((link *)p->arrays[ARRAY_LINKS].data)[index * p->width + child] = l;
     const double low[3] = {box.low.x, box.low.y, box.low.z}, high[3] = {box.high.x, box.high.y, box.high.z};
     for (int axis = 0; axis < 3; axis++) {
-        n->rows[axis][child] = low[axis];
-        n->rows[3 + axis][child] = high[axis];
+        rows[(size_t)axis * p->width + child] = low[axis];
+        rows[(size_t)(3 + axis) * p->width + child] = high[axis];
     }
 }
 
@@ -100,8 +100,8 @@ static bounds nowhere(void) {
 
 static size_t add_node(packed *p) {
     size_t index = p->arrays[ARRAY_NODES].count++;
-    p->arrays[ARRAY_LINKS].count += WIDTH;
-    for (size_t i = 0; i < WIDTH; i++)
+    p->arrays[ARRAY_LINKS].count += p->width;
+    for (size_t i = 0; i < p->width; i++)
         set_child(p, index, i, nowhere(), (link){0, 0});
     return index;
 }
@@ -119,16 +119,16 @@ static size_t add_leaf(packed *p, size_t index, size_t child, const branch *leaf
 /* Writes a branch as a node, and what is below it; returns its box. A leaf's blocks become the node's own children where
  * there is room, else a node between. */
 static bounds flatten(packed *p, branch *b, size_t *written) {
-    size_t index = *written = add_node(p), child = 0, room = WIDTH;
+    size_t index = *written = add_node(p), child = 0, room = p->width;
     bounds box = empty_bounds();
     if (b->count) {
         group_by_tag(p, b->numbers, b->count);
         add_leaf(p, index, 0, b);
         return numbers_bounds(p, b->numbers, b->count);
     }
-    for (size_t i = 0; i < WIDTH && b->children[i]; i++)
+    for (size_t i = 0; i < p->width && b->children[i]; i++)
         room--;
-    for (size_t i = 0; i < WIDTH && b->children[i]; i++) {
+    for (size_t i = 0; i < p->width && b->children[i]; i++) {
         branch *c = b->children[i];
         size_t groups = c->count ? group_by_tag(p, c->numbers, c->count) : 0, below;
         if (groups && groups - 1 <= room) {
@@ -150,11 +150,11 @@ static int build(packed *p, RTCDevice device, const struct RTCBuildPrimitive *pr
     RTCBVH bvh = device ? rtcNewBVH(device) : NULL;
     struct RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
-    arguments.maxBranchingFactor = WIDTH;
+    arguments.maxBranchingFactor = (unsigned)p->width;
     arguments.maxDepth = MOST_LEVELS;
     arguments.minLeafSize = 1;
-    arguments.maxLeafSize = WIDTH;
-    arguments.sahBlockSize = WIDTH / 2; /* a block costs one ray as much as one primitive, a packet more */
+    arguments.maxLeafSize = (unsigned)p->width;
+    arguments.sahBlockSize = (unsigned)p->width / 2; /* a block costs one ray as much as one primitive, a packet more */
     arguments.bvh = bvh;
     arguments.primitives = (struct RTCBuildPrimitive *)primitives;
     arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
@@ -169,7 +169,7 @@ static int build(packed *p, RTCDevice device, const struct RTCBuildPrimitive *pr
              device && rtcGetDeviceError(device) != RTC_ERROR_OUT_OF_MEMORY ? FEELER_DEVICE : FEELER_OUT_OF_MEMORY,
              "Embree could not build a tree over %zu primitives", count);
     else if (array_reserve(&p->arrays[ARRAY_NODES], count + 1, error) == 0 &&
-             array_reserve(&p->arrays[ARRAY_LINKS], WIDTH * (count + 1), error) == 0) {
+             array_reserve(&p->arrays[ARRAY_LINKS], p->width * (count + 1), error) == 0) {
         flatten(p, root, top);
         status = 0;
     }
@@ -209,12 +209,12 @@ static int build_own(packed *p, RTCDevice device, uint32_t *numbers, feeler_erro
         return -1;
     p->own_blocks = p->blocks;
     p->planes = p->own - bounded;
-    size_t room = p->group_count ? (p->planes + WIDTH - 1) / WIDTH * WIDTH : p->planes;
+    size_t room = p->group_count ? (p->planes + p->width - 1) / p->width * p->width : p->planes;
     uint32_t *planes = array_add(&p->arrays[ARRAY_BLOCK_NUMBERS], room, error);
     for (size_t i = 0; planes && i < p->own; i++)
         if (primitives[i].x == KIND_PLANE)
             *planes++ = (uint32_t)i;
-    p->blocks += (room + WIDTH - 1) / WIDTH;
+    p->blocks += (room + p->width - 1) / p->width;
     return planes ? 0 : -1;
 }
 

@@ -5,7 +5,7 @@
         global const disc *discs, global const box *boxes, global const uint4 *triangles,                              \
         global const real4 *vertices, global const real4 *normals, global const polygon *polygons,                     \
         global const uint4 *polygon_ranges, global const real *corners, global const cone *cones,                      \
-        global const instance *instances, global const uint4 *instance_roots, global const node *nodes,                \
+        global const instance *instances, global const uint4 *instance_roots, global const real *nodes,                \
         global const uint2 *links, global const real *blocks, global const uint *block_numbers,                        \
         global const material *materials, global const light *lights
 

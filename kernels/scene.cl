@@ -16,7 +16,7 @@ typedef struct {
     global const instance *instances;
     global const uint4
         *instance_roots; // where its group is: a node, or without a tree links from the first to the last
-    global const node *nodes;
+    global const real *nodes; // NODE_ROWS rows of WIDTH each
     global const uint2 *links;
     global const real *blocks;
     global const uint *block_numbers; // WIDTH primitive numbers for each block, then the planes' numbers

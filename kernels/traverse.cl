@@ -50,12 +50,12 @@ WALK hit walk_one(const scene *s, const ray *r, hit best, agenda *waiting, uint2
     const sides first = near_sides(r->inverse);
     for (uint2 here = *at;;) {
         if (here.y == LINK_NODE) {
-            global const node *n = s->nodes + here.x;
-            global const uint2 *links = s->links + here.x * WIDTH;
+            global const real *rows = s->nodes + (size_t)here.x * NODE_ROWS * WIDTH;
+            global const uint2 *links = s->links + (size_t)here.x * WIDTH;
             errand nearest = {(uint2)(0), INFINITY, 0};
             waiting->floor = waiting->height;
             for (uint k = 0; k < WIDTH; k += CHUNK) {
-                const interval i = intersect_rows(r, first, (global const real *)n->rows, k);
+                const interval i = intersect_rows(r, first, rows, k);
                 uint bits = lane_bits((i.near <= i.far) & (i.far >= nearest_far(r)) &
                                       (i.near <= farthest_near(r, best.distance)));
                 bits &= (1u << CHUNK) - 1;
@@ -221,8 +221,7 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
         if (popcount(lanes) < FEW) {
             best = traverse_lanes(s, r, lanes, best, here, any);
         } else if (here.y == LINK_NODE) {
-            global const node *n = s->nodes + here.x;
-            global const real *rows = (global const real *)n->rows;
+            global const real *rows = s->nodes + (size_t)here.x * NODE_ROWS * WIDTH;
             const ints wanted = mask_of_bits(lanes);
             waiting->floor = waiting->height;
             for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
@@ -232,7 +231,7 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
                 for (; bits != 0; bits &= bits - 1) {
                     const uint k = lowest_bit(bits);
                     const reals near = beams.near;
-                    const errand all = {s->links[here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
+                    const errand all = {s->links[(size_t)here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
                     const errand e = tight ? all : ask_rays(r, wanted, &best, all, rows, chunk + k);
                     if (e.lanes != 0)
                         add_errand(waiting, e);

@@ -65,17 +65,19 @@ typedef struct {
     bounds bounds; /* in the world */
 } instance;
 
-/* Children of a node, and primitives of a leaf. */
+/* Children of a node, and primitives of a leaf: packets of 16 rays meet 16 at a time. */
+#ifndef WIDTH
 #define WIDTH 8
+#endif
+#define MOST_WIDTH 16
 
-/* A node of the tree: its children's boxes side by side, by axis. Each child has two words of `links`: a node's number and
- * LINK_NODE, or the place of a leaf's block (in units of WIDTH reals) and its tag. */
-typedef struct {
-    real rows[6][WIDTH]; /* low x, y, z, high x, y, z */
-} node;
+/* A node of the tree is its children's boxes side by side: NODE_ROWS rows of WIDTH numbers, low x, y, z, high x, y, z. Each
+ * child has two words of `links`: a node's number and LINK_NODE, or the place of a leaf's block (in units of WIDTH reals)
+ * and its tag. */
+#define NODE_ROWS 6
 
-/* A leaf's block holds one instance, or up to WIDTH primitives of one kind and with the same flags, number after number for each field; empty
- * places repeat the last primitive. The tag: its kind, its flags, and the block's own number. */
+/* A leaf's block holds one instance, or up to WIDTH primitives of one kind and with the same flags, number after number for
+ * each field; empty places repeat the last primitive. The tag: its kind, its flags, and the block's own number. */
 #define LINK_NODE 0xffffffffu
 #define TAG_KIND 29
 #define TAG_FLAGS 24
