@@ -39,6 +39,8 @@ typedef struct job {
 /* Bytes of the kernels' `real`. */
 size_t real_size(const job *job);
 size_t tile_pixels(const tile *tile);
+/* Whether rays are sent on at all: else the device writes no discarded weight. */
+bool sends_rays(const job *job);
 
 /* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */
 int open_slot(const job *job, slot *slot, feeler_error *error);

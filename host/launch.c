@@ -99,6 +99,10 @@ static int bind_render(const job *j, const slot *s, feeler_error *error) {
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
 }
 
+bool sends_rays(const job *j) {
+    return j->needs.features & (1u << FEATURE_REFLECTION | 1u << FEATURE_TRANSMISSION);
+}
+
 size_t tile_pixels(const tile *t) {
     return (size_t)(t->x1 - t->x0) * (size_t)(t->y1 - t->y0);
 }
@@ -128,12 +132,13 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     const size_t colours = count * 4 * real_size(j);
     cl_event before[2] = {NULL, NULL}; /* one read after another, whatever order the queue keeps */
     status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, &before[0]);
-    if (status == CL_SUCCESS)
+    const bool sends = sends_rays(j);
+    if (status == CL_SUCCESS && sends)
         status = clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &before[0],
                                      &before[1]);
     if (status == CL_SUCCESS)
         status = clEnqueueReadBuffer(queue, s->tallies, CL_FALSE, 0, count * sizeof(tally), s->host_tallies, 1,
-                                     &before[1], &s->read);
+                                     &before[sends], &s->read);
     for (int i = 0; i < 2; i++)
         if (before[i])
             clReleaseEvent(before[i]);

@@ -56,10 +56,12 @@ static void add_discarded(job *j, const slot *s, size_t count) {
     const double *doubles = s->host_discarded;
     for (size_t i = 0; i < count; i++) {
         double most = 0;
-        for (int k = 0; k < 3; k++) {
-            double w = j->image->is_double ? doubles[4 * i + (size_t)k] : (double)floats[4 * i + (size_t)k];
-            j->discarded[k] = fmax(j->discarded[k], w);
-            most = fmax(most, w);
+        for (size_t k = 0; k < 3; k++) {
+            double w = j->image->is_double ? doubles[4 * i + k] : (double)floats[4 * i + k];
+            if (w > j->discarded[k])
+                j->discarded[k] = w;
+            if (w > most)
+                most = w;
         }
         j->discarded_sum += most;
     }
@@ -102,7 +104,8 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     j->image->stats.kernel = kernel < 0 ? -1 : j->image->stats.kernel + kernel;
     copy_pixels(j, s);
     add_tallies(j, s, count);
-    add_discarded(j, s, count);
+    if (sends_rays(j))
+        add_discarded(j, s, count);
     adapt_budget(j, known, count);
     j->done += count;
     clReleaseEvent(s->read);

@@ -41,7 +41,11 @@ INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global c
     return add_parts(parts, packets);
 }
 
-// Writes RGBA, the mean unsent weight per channel, and the tally, row by row of the tile.
+real4 lane_colour(const vectors *v, uint lane, real w) {
+    return (real4)(REAL_LANE(v->x, lane), REAL_LANE(v->y, lane), REAL_LANE(v->z, lane), w);
+}
+
+// Writes RGBA, the mean unsent weight per channel where rays are sent on, and the tally, row by row of the tile.
 NOINLINE void render_pixels(const scene *s, global const view *camera, global const int *eye_media, const launch *frame,
                             uint x, uint y, global real4 *pixels, global real4 *discarded, global tally *tallies) {
     const tree_sum sum = trace_pixels(s, camera, eye_media, frame, x, y);
@@ -52,12 +56,10 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
             continue;
         const size_t at = (size_t)(py - frame->tile.y) * (frame->tile.z - frame->tile.x) + (px - frame->tile.x);
         const uint hits = INT_LANE(sum.hits, i);
-        pixels[at] =
-            (real4)(REAL_LANE(sum.colour.x, i), REAL_LANE(sum.colour.y, i), REAL_LANE(sum.colour.z, i), R(hits)) /
-            samples;
-        discarded[at] =
-            (real4)(REAL_LANE(sum.discarded.x, i), REAL_LANE(sum.discarded.y, i), REAL_LANE(sum.discarded.z, i), R(0)) /
-            samples;
+        pixels[at] = lane_colour(&sum.colour, i, R(hits)) / samples;
+#if HAS_REFLECTION || HAS_TRANSMISSION // else nothing is sent on
+        discarded[at] = lane_colour(&sum.discarded, i, R(0)) / samples;
+#endif
         tallies[at].rays =
             (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
         tallies[at].extreme = (uint4)(deepest_level(&sum, i), 0, 0, 0);
