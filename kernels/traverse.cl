@@ -34,8 +34,12 @@ INLINE hit try_together(const scene *s, const ray *r, hit best, uint2 link) {
             const interval i = intersect_bounds(*r, b.low, b.high);
             uint bits =
                 lane_bits((i.near <= i.far) & (i.far >= nearest_far(r)) & (i.near <= farthest_near(r, best.distance)));
-            for (bits &= (1u << CHUNK) - 1; bits != 0; bits &= bits - 1)
-                best = try_entries(s, r, mask(true), best, block, numbers, link.y, k + lowest_bit(bits), TOGETHER);
+            for (bits &= (1u << CHUNK) - 1; bits != 0; bits &= bits - 1) {
+                const uint entry = k + lowest_bit(bits);
+                if (entry > 0 && numbers[entry] == numbers[entry - 1])
+                    break; // only repetitions follow
+                best = try_entries(s, r, mask(true), best, block, numbers, link.y, entry, TOGETHER);
+            }
             continue;
         }
 #endif
