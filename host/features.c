@@ -92,12 +92,14 @@ static uint32_t scene_features(const feeler_scene *scene) {
 
 needs choose_needs(const feeler_scene *scene, const feeler_settings *s) {
     uint32_t settings = bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true);
-    needs n = {.features = scene_features(scene), .media = MOST_MEDIA};
+    needs n = {.features = scene_features(scene), .media = MOST_MEDIA, .width = WIDTH};
     if (s->general) /* whether there are shadows is a setting, not something that a scene might do without */
         n.features |= all_features & ~settings;
     n.features &= ~bit(FEATURE_TREE, true);
     n.features |= bit(FEATURE_TREE, !s->brute_force);
     if (!(n.features & bit(FEATURE_TRANSMISSION, true)))
         n.media = 1;
+    if (s->lanes == MOST_WIDTH)
+        n.width = MOST_WIDTH;
     return n;
 }

@@ -76,9 +76,9 @@ char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *s
     packed p;
     if (resolve_settings(scene, settings, &s, error) < 0)
         return NULL;
-    if (pack_scene(&p, scene, &s, error) < 0)
-        return NULL;
     const needs n = choose_needs(scene, &s);
+    if (pack_scene(&p, scene, &s, n, error) < 0)
+        return NULL;
     char *text = NULL, *options = program_options(&s, n, error);
     if (options) {
         json_t *json = info_json(scene, &s, &p, n, options);

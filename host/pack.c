@@ -334,14 +334,11 @@ static int pack_objects(packed *p, const feeler_scene *scene, feeler_error *erro
     return 0;
 }
 
-int node_width(const feeler_settings *settings) {
-    return settings->lanes == MOST_WIDTH ? MOST_WIDTH : WIDTH;
-}
-
-int pack_scene(packed *p, const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
+int pack_scene(packed *p, const feeler_scene *scene, const feeler_settings *settings, needs needs,
+               feeler_error *error) {
     memset(p, 0, sizeof *p);
     memcpy(p->arrays, empty_arrays, sizeof empty_arrays);
-    p->width = (size_t)node_width(settings);
+    p->width = (size_t)needs.width;
     p->arrays[ARRAY_CORNERS].element = p->arrays[ARRAY_BLOCKS].element = p->width * sizeof(real);
     p->arrays[ARRAY_NODES].element = NODE_ROWS * p->width * sizeof(real);
     p->is_double = settings->level == FEELER_REFERENCE;

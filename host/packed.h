@@ -72,6 +72,7 @@ void features_text(uint32_t features, char *text, size_t size);
 typedef struct needs {
     uint32_t features; /* bit i: feature i */
     int media;         /* length of a ray's list of media */
+    int width;         /* children of a node, and primitives of a block */
 } needs;
 
 /* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */
@@ -90,9 +91,9 @@ typedef struct packed_group {
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
-    size_t width; /* children of a node, and primitives of a block */
+    size_t width; /* as in needs */
     vec3 origin;  /* of the packed coordinates, in the scene's */
-    size_t own;  /* primitives that are not a group's */
+    size_t own;   /* primitives that are not a group's */
     packed_group *groups;
     size_t group_count;
     size_t own_blocks, planes; /* blocks of the scene's own primitives; the numbers of its planes come after theirs */
@@ -100,11 +101,9 @@ typedef struct packed {
     double tree_seconds;
 } packed;
 
-/* Reads a validated scene for resolved settings. */
-int pack_scene(packed *packed, const feeler_scene *scene, const feeler_settings *settings, feeler_error *error);
-
-/* Children of a node: as many as a packet's lanes fill a vector, or eight. */
-int node_width(const feeler_settings *settings);
+/* Reads a validated scene for resolved settings and their needs. */
+int pack_scene(packed *packed, const feeler_scene *scene, const feeler_settings *settings, needs needs,
+               feeler_error *error);
 void packed_free(packed *packed);
 
 bool is_black(vec3 colour);

@@ -57,8 +57,10 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
     }
     int rays = s->samples * s->pixels[0] * s->pixels[1] > 1 ? s->lanes : 1;
     used = (size_t)snprintf(text, size,
-                            "-cl-std=CL1.2 -DWIDTH=%d -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
-                            node_width(s), s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
+                            "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
+                            s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
+    if (n.width != WIDTH)
+        used += (size_t)snprintf(text + used, size - used, " -DWIDTH=%d", n.width);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)
@@ -72,7 +74,7 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
 
 char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s = *settings;
-    needs n = {all_features, MOST_MEDIA};
+    needs n = {all_features, MOST_MEDIA, WIDTH};
     if (!scene) {
         s.lanes = s.lanes ? s.lanes : 1;
         s.depth = s.depth ? s.depth : 16;

@@ -153,9 +153,9 @@ static size_t slot_room(const job *j) {
 
 static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
     const feeler_settings *s = &j->settings;
-    if (pack_scene(&j->packed, scene, s, error) < 0)
-        return -1;
     j->needs = choose_needs(scene, s);
+    if (pack_scene(&j->packed, scene, s, j->needs, error) < 0)
+        return -1;
     const view view = pack_view(scene, s, j->packed.origin);
     bool inside = eye_may_be_inside(&j->packed, view.eye);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)

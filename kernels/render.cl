@@ -34,7 +34,8 @@ INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global c
             p.in.material[i] = whole(eye_media[i]);
 #endif
         const tree_sum sum = trace(s, camera, p, frame->frame.w);
-        private tree_sum *part = &parts[packets % PACKETS];
+      private
+        tree_sum *part = &parts[packets % PACKETS];
         *part = packets < PACKETS ? sum : add_trees(*part, &sum);
     }
     return add_parts(parts, packets);
@@ -51,11 +52,14 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
             continue;
         const size_t at = (size_t)(py - frame->tile.y) * (frame->tile.z - frame->tile.x) + (px - frame->tile.x);
         const uint hits = INT_LANE(sum.hits, i);
-        pixels[at] = (real4)(REAL_LANE(sum.colour.x, i), REAL_LANE(sum.colour.y, i), REAL_LANE(sum.colour.z, i),
-                             R(hits)) / samples;
-        discarded[at] = (real4)(REAL_LANE(sum.discarded.x, i), REAL_LANE(sum.discarded.y, i),
-                                REAL_LANE(sum.discarded.z, i), R(0)) / samples;
-        tallies[at].rays = (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
+        pixels[at] =
+            (real4)(REAL_LANE(sum.colour.x, i), REAL_LANE(sum.colour.y, i), REAL_LANE(sum.colour.z, i), R(hits)) /
+            samples;
+        discarded[at] =
+            (real4)(REAL_LANE(sum.discarded.x, i), REAL_LANE(sum.discarded.y, i), REAL_LANE(sum.discarded.z, i), R(0)) /
+            samples;
+        tallies[at].rays =
+            (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
         tallies[at].extreme = (uint4)(deepest_level(&sum, i), 0, 0, 0);
     }
 }

@@ -15,7 +15,7 @@ typedef struct {
     global const cone *cones;
     global const instance *instances;
     global const uint4
-        *instance_roots; // where its group is: a node, or without a tree links from the first to the last
+        *instance_roots;      // where its group is: a node, or without a tree links from the first to the last
     global const real *nodes; // NODE_ROWS rows of WIDTH each
     global const uint2 *links;
     global const real *blocks;

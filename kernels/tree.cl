@@ -1,7 +1,7 @@
 // tree.cl - what a ray, or many as one beam, meets of a node's children.
 
 // Children that wait: at most WIDTH - 1 for each level of the deepest tree that is built.
-#define TREE_STACK (20 * WIDTH)
+#define TREE_STACK 320
 
 // A child or several that wait, and the distance before which there is nothing in them.
 typedef struct {

@@ -20,9 +20,6 @@ TYPES = feeler.kernel_source().split('#line 1 "features.cl"')[0]
 STRUCT = re.compile(r"typedef struct \{([^}]*)\} (\w+);")
 
 
-WIDTH = int(re.findall(r"#define WIDTH (\d+)", TYPES)[0])
-
-
 def members() -> dict[str, dict[str, str]]:
     """The members' types by struct and name, as types.h has them for the device; what C alone sees is left out. The type
     of an array ends with its lengths.
@@ -36,8 +33,8 @@ def members() -> dict[str, dict[str, str]]:
             kind, names = declaration.split(None, 1)
             for member in names.split(","):
                 lengths = re.findall(r"\[\w+\]", member)
-                found[name][member.partition("[")[0].strip()] = kind + "".join(lengths).replace("WIDTH", str(WIDTH))
-    assert {"bounds", "cone", "node", "material", "view", "launch", "tally"} <= set(found)
+                found[name][member.partition("[")[0].strip()] = kind + "".join(lengths)
+    assert {"bounds", "cone", "material", "view", "launch", "tally"} <= set(found)
     assert len(found) == text.count("typedef")
     return found
 

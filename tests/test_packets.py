@@ -217,17 +217,18 @@ def test_a_beam_leaves_out_no_box_that_a_ray_meets(rays: int, level: str) -> Non
     assert met.sum() > 1000
 
 
-@pytest.mark.parametrize("rays", [2, 8, 16])
-def test_boxes_side_by_side_are_boxes_alone(rays: int) -> None:
+@pytest.mark.parametrize(("rays", "width"), [(2, 8), (8, 8), (16, 8), (16, 16)])
+def test_boxes_side_by_side_are_boxes_alone(rays: int, width: int) -> None:
     """Bit by bit the same answer, and none for lanes beyond a node's children."""
     r, _ = make_rays("standard")
     for first in range(0, len(r.least), 7 * PACKET):
         few = members(r, operator.itemgetter(slice(first, first + rays)))
         beam, options = beam_of(few, True, rays, "standard")
+        options["options"] += f" -DWIDTH={width}"
         low, high = make_boxes("standard", (20, rays))
         found = feeler.probe("meet_boxes", beam, low, high, 100.0, **options)
         alone = np.zeros_like(found)
-        for k in range(min(rays, WIDTH)):
+        for k in range(min(rays, width)):
             one = feeler.probe(
                 "meet_boxes", beam, *(np.repeat(x[:, k], rays, 0) for x in (low, high)), 100.0, **options
             )
