@@ -26,7 +26,7 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
-  polygon.cl cone.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl optics.cl media.cl phong.cl camera.cl trace.cl \
+  polygon.cl cone.cl count.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl optics.cl media.cl phong.cl camera.cl trace.cl \
   pixel.cl render.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
@@ -210,13 +210,16 @@ $(BUILD)/peers/embree_whitted: $(wildcard tests/peers/embree/*.[ch]pp)
 	mkdir -p $(@D)
 	$(CXX) $(PEER_CXXFLAGS) -o $@ $(filter %.cpp,$^) -l$(EMBREE) -lpthread
 
-.PHONY: peers bench
+.PHONY: peers bench limit
 peers: ready ## what we are compared with: installs POV-Ray, builds the tracer on Embree
 	@$(call install_missing,$(PEER_PACKAGES)) || echo 'what is missing of $(PEER_PACKAGES) cannot be installed: it is left out'
 	@$(MAKE) --no-print-directory $(BUILD)/peers/embree_whitted || echo 'without it'
 
 bench: peers ## measure beside Embree, POV-Ray and itself (ARGS='--quick' or '--row NAME'; growth takes long)
 	$(VENV)/bin/python tests/peers/bench.py $(ARGS)
+
+limit: ready ## how far the traversal is from its limit: its steps counted, and each measured alone (minutes)
+	$(VENV)/bin/python tests/peers/limit.py $(ARGS)
 
 .PHONY: lint format check-exports
 lint: deps-lint ready ## formatting, style, types, exported symbols, and clang's opinion

@@ -129,6 +129,7 @@ INLINE hit try_polygon(const scene *s, const ray *around, ints active, hit best,
     ints better = is_nearer(r, best, active, c, number);
     if (!any_lane(better))
         return best;
+    COUNT(s, COUNT_FOUND(KIND_POLYGON, together), 1);
     const uint4 range = s->polygon_ranges[index];
     better &= is_inside(r, s->corners + (size_t)range.x * WIDTH, range.y, together);
     return choose_crossing(better, c, number, best);
@@ -139,6 +140,7 @@ INLINE hit try_polygon(const scene *s, const ray *around, ints active, hit best,
 INLINE hit try_entries(const scene *s, const ray *around, ints active, hit best, global const real *block,
                        global const uint *numbers, uint tag, uint k, bool together) {
     const uint kind = tag >> TAG_KIND, flags = (tag >> TAG_FLAGS) & 31;
+    COUNT(s, COUNT_TRIED(kind, together), 1);
 #if HAS_POLYGON
     if (kind == KIND_POLYGON)
         return try_polygon(s, around, active, best, block, numbers, flags, k, together);
@@ -149,6 +151,7 @@ INLINE hit try_entries(const scene *s, const ray *around, ints active, hit best,
     c.found &= active & (c.distance > splat(0));
     if (!any_lane(c.found))
         return best;
+    COUNT(s, COUNT_FOUND(kind, together), 1);
     const boxes b = load_boxes(block, kind, k, together);
     c = clamp_crossing(r, b.low, b.high, c);
     const ints better = is_nearer(r, best, active, c, number);

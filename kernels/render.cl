@@ -12,7 +12,8 @@
 #define SCENE_ARGUMENTS                                                                                                \
     {                                                                                                                  \
         primitives, spheres, planes, discs, boxes, triangles, vertices, normals, polygons, polygon_ranges, corners,    \
-            cones, instances, instance_roots, nodes, links, blocks, block_numbers, materials, lights, frame.count      \
+            cones, instances, instance_roots, nodes, links, blocks, block_numbers, materials, lights,                  \
+            frame.count NO_COUNTS                                                                                      \
     }
 
 // The trees of the rays through the pixels from (x, y) on, sample after sample.
@@ -62,6 +63,9 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
 #endif
         tallies[at].rays =
             (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
+#if COUNTING
+        tallies[at].rays = vload4(COUNTING - 1, s->counts);
+#endif
         tallies[at].extreme = (uint4)(deepest_level(&sum, i), 0, 0, 0);
     }
 }

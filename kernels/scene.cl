@@ -23,6 +23,9 @@ typedef struct {
     global const material *materials;
     global const light *lights;
     uint4 count; // lights, blocks, nodes, planes
+#if COUNTING
+    uint *counts;
+#endif
 } scene;
 
 // The primitives hit: their material and flags. `instance`: the index of the one that they are in, or -1.

@@ -34,8 +34,12 @@ INLINE hit try_together(const scene *s, const ray *r, hit best, uint2 link) {
             const interval i = intersect_bounds(*r, b.low, b.high);
             uint bits =
                 lane_bits((i.near <= i.far) & (i.far >= nearest_far(r)) & (i.near <= farthest_near(r, best.distance)));
-            for (bits &= (1u << CHUNK) - 1; bits != 0; bits &= bits - 1)
-                best = try_entries(s, r, mask(true), best, block, numbers, link.y, k + lowest_bit(bits), TOGETHER);
+            for (bits &= (1u << CHUNK) - 1; bits != 0; bits &= bits - 1) {
+                const uint entry = k + lowest_bit(bits);
+                if (entry > 0 && numbers[entry] == numbers[entry - 1])
+                    break; // only repetitions follow
+                best = try_entries(s, r, mask(true), best, block, numbers, link.y, entry, TOGETHER);
+            }
             continue;
         }
 #endif
@@ -53,12 +57,14 @@ WALK hit walk_one(const scene *s, const ray *r, hit best, agenda *waiting, uint2
             global const real *rows = s->nodes + (size_t)here.x * NODE_ROWS * WIDTH;
             global const uint2 *links = s->links + (size_t)here.x * WIDTH;
             errand nearest = {(uint2)(0), INFINITY, 0};
+            COUNT(s, COUNT_NODES, 1);
             waiting->floor = waiting->height;
             for (uint k = 0; k < WIDTH; k += CHUNK) {
                 const interval i = intersect_rows(r, first, rows, k);
                 uint bits = lane_bits((i.near <= i.far) & (i.far >= nearest_far(r)) &
                                       (i.near <= farthest_near(r, best.distance)));
                 bits &= (1u << CHUNK) - 1;
+                COUNT(s, COUNT_CHILDREN, popcount(bits));
                 const reals near = i.near;
                 for (; bits != 0; bits &= bits - 1) {
                     const uint child = lowest_bit(bits);
@@ -112,6 +118,7 @@ hit visit_one(const scene *s, const ray *r, hit best, integer number, bool any) 
 
 // The nearest hit below `here` for one ray. With `any`, the first that comes.
 NOINLINE hit traverse_one(const scene *s, const ray *r, hit best, uint2 here, bool any) {
+    COUNT(s, COUNT_LONE, 1);
     agenda waiting;
     waiting.height = 0;
     best = walk_one(s, r, best, &waiting, &here, any);
@@ -134,6 +141,7 @@ NOINLINE hit traverse_one(const scene *s, const ray *r, hit best, uint2 here, bo
 INLINE hit try_apart(const scene *s, const ray *r, const beam *b, ints active, hit best, uint2 link, real limit) {
     global const real *block = s->blocks + (size_t)link.x * WIDTH;
     global const uint *numbers = s->block_numbers + (link.y & TAG_NUMBER) * WIDTH;
+    COUNT(s, COUNT_BLOCKS(link.y >> TAG_KIND), 1);
     for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
         const boxes all = load_boxes(block, link.y >> TAG_KIND, chunk, TOGETHER);
         for (uint bits = meet_boxes(b, all.low, all.high, limit); bits != 0; bits &= bits - 1) {
@@ -207,6 +215,7 @@ INLINE errand ask_rays(const ray *r, ints wanted, const hit *best, errand e, glo
 
 // Many rays' way from `at` on, each box and primitive against all of them, as walk_one.
 WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *waiting, errand *at, bool any) {
+    COUNT(s, COUNT_BEAMS, 1);
     const beam b = make_beam(r, active);
     uint2 here = at->link;
     uint lanes = at->lanes, looking = lane_bits(active);
@@ -223,16 +232,19 @@ WALK hit walk_many(const scene *s, const ray *r, ints active, hit best, agenda *
         } else if (here.y == LINK_NODE) {
             global const real *rows = s->nodes + (size_t)here.x * NODE_ROWS * WIDTH;
             const ints wanted = mask_of_bits(lanes);
+            COUNT(s, COUNT_BOXES, 1);
             waiting->floor = waiting->height;
             for (uint chunk = 0; chunk < WIDTH; chunk += CHUNK) {
                 const interval beams = intersect_beam(&b, load_rows(rows, chunk), load_rows(rows + 3 * WIDTH, chunk));
                 uint bits = open_boxes(&b, beams, limit);
                 const bool tight = popcount(bits) <= TIGHT;
+                COUNT(s, COUNT_TESTS, tight ? 0 : popcount(bits));
                 for (; bits != 0; bits &= bits - 1) {
                     const uint k = lowest_bit(bits);
                     const reals near = beams.near;
                     const errand all = {s->links[(size_t)here.x * WIDTH + chunk + k], REAL_LANE(near, k), lanes};
                     const errand e = tight ? all : ask_rays(r, wanted, &best, all, rows, chunk + k);
+                    COUNT(s, COUNT_ERRANDS, e.lanes != 0);
                     if (e.lanes != 0)
                         add_errand(waiting, e);
                 }
@@ -326,8 +338,12 @@ hit traverse(const scene *s, const ray *r, ints active, reals limit, bool any) {
     if (!any_ray(active))
         return best;
 #if HAS_TREE
-    if (s->count.z > 0)
-        best = traverse_below(s, r, active, best, first_link(s, 0), any);
+    if (s->count.z > 0) {
+        const hit before = best;
+        best = traverse_below(s, r, active, before, first_link(s, 0), any);
+        if (TRAVERSALS > 1)
+            best.primitive = traverse_below(s, r, active, before, first_link(s, 0), any).primitive;
+    }
 #else
     for (uint k = 0; k < s->count.y; k++)
         best = traverse_below(s, r, active, best, first_link(s, k), any);

@@ -1,0 +1,31 @@
+"""What tests/peers/limit.py builds the kernels with: counts in place of the rays, and every traversal twice."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from spheres import write_spheres
+
+import feeler
+
+
+@pytest.mark.parametrize("samples", [1, 16])
+def test_steps_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, samples: int) -> None:
+    scene = feeler.load(write_spheres(tmp_path / "spheres.nff"))
+    usual = scene.render(samples=samples)
+    rays = usual.stats["rays"]
+    sent = rays["eye"] + rays["reflection"] + rays["transmission"] + rays["shadow"]
+    found = []
+    for options in ("-DCOUNTING=1", "-DCOUNTING=2", "-DTRAVERSALS=2"):
+        monkeypatch.setenv("FEELER_KERNEL_OPTIONS", options)
+        image = scene.render(samples=samples)
+        assert np.array_equal(image.pixels, usual.pixels)
+        found.append([image.stats["rays"][name] for name in ("reflection", "transmission", "shadow")])
+    (lone, nodes, _), (beams, boxes, _), _ = found
+    if samples == 1:
+        assert lone == sent
+        assert nodes >= lone
+        assert (beams, boxes) == (0, 0)
+    else:
+        assert sent / 16 <= beams < sent
+        assert boxes >= beams
