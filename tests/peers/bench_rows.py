@@ -80,13 +80,14 @@ def one_ray(plan: Plan) -> Iterator[Result]:
     for name in TRACED:
         plan.say(f"one-ray {name} {size} x {size}")
         scene = classic(name)
-        run_feeler(scene, size)  # compiles
-        pairs = measure_pairs(
-            lambda scene=scene: trace_seconds(run_feeler(scene, size)),
-            lambda scene=scene: trace_seconds(run_embree(scene, size, 1, "1", tracer=plan.tracer)),
-            plan.repeat,
-        )
-        yield times_faster("one-ray", name, pairs, 1.5, 2)
+        for pixels, wanted, aim in (("1x1", 1.5, 2.0), ("4x4", None, None)):
+            run_feeler(scene, size, pixels=pixels)  # compiles
+            pairs = measure_pairs(
+                lambda scene=scene, pixels=pixels: trace_seconds(run_feeler(scene, size, pixels=pixels)),
+                lambda scene=scene: trace_seconds(run_embree(scene, size, 1, "1", tracer=plan.tracer)),
+                plan.repeat,
+            )
+            yield times_faster("one-ray", name if wanted else f"{name}, --pixels {pixels}", pairs, wanted, aim)
 
 
 def best_mode(plan: Plan) -> Iterator[Result]:
