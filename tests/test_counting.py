@@ -28,4 +28,4 @@ def test_steps_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, samp
         assert (beams, boxes) == (0, 0)
     else:
         assert sent / 16 <= beams < sent
-        assert boxes >= beams
+        assert boxes + lone >= beams  # a way asks a node at least, or its rays go on alone
