@@ -53,9 +53,9 @@ hit nearest_lane(hit best, ints better, crossing c, ints numbers) {
 frustum load_frustum(global const real *block, uint k, bool together) {
     frustum f;
     f.base = load_fields(block, 6, k, together);
-    f.u = load_fields(block, 9, k, together);
-    f.v = load_fields(block, 12, k, together);
-    f.axis = load_fields(block, 15, k, together);
+    f.frame.x = load_fields(block, 9, k, together);
+    f.frame.y = load_fields(block, 12, k, together);
+    f.frame.z = load_fields(block, 15, k, together);
     f.radius = load_field(block, 18, k, together);
     f.height = load_field(block, 19, k, together);
     f.slope = load_field(block, 20, k, together);

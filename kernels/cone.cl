@@ -1,28 +1,21 @@
 // cone.cl - cones, truncated cones and cylinders about an axis, open or capped, in the frame u, v, axis at the base.
 
 typedef struct {
-    vectors base, u, v, axis;
+    vectors base;
+    rows frame; // u, v and the axis
     reals radius, slope, height;
 } frustum;
 
 frustum make_frustum(quads base_radius, quads u_height, quads v_slope, quads axis) {
     frustum f;
     f.base = base_radius.xyz;
-    f.u = u_height.xyz;
-    f.v = v_slope.xyz;
-    f.axis = axis.xyz;
+    f.frame.x = u_height.xyz;
+    f.frame.y = v_slope.xyz;
+    f.frame.z = axis.xyz;
     f.radius = base_radius.w;
     f.height = u_height.w;
     f.slope = v_slope.w;
     return f;
-}
-
-vectors to_frame(frustum f, vectors a) {
-    return make_vectors(dot3(f.u, a), dot3(f.v, a), dot3(f.axis, a));
-}
-
-vectors from_frame(frustum f, vectors a) {
-    return along(along(scale(f.u, a.x), f.v, a.y), f.axis, a.z);
 }
 
 // Where a ray is inside the infinite double cone: from `first` to `last`, or, for a ray steeper than the side (`steep`),
@@ -90,7 +83,7 @@ crossing intersect_open(ray r, chord k, interval height, uint flags) {
 }
 
 crossing intersect_cone(ray r, frustum f, uint flags) {
-    const vectors o = to_frame(f, sub(r.origin, f.base)), d = to_frame(f, r.direction);
+    const vectors o = apply(f.frame, sub(r.origin, f.base)), d = apply(f.frame, r.direction);
     const reals change = f.slope * d.z;
     const chord k = intersect_double_cone(o, d, fma(f.slope, o.z, f.radius), change);
     const reals inverse = reciprocal(d.z);
@@ -106,7 +99,7 @@ crossing intersect_cone(ray r, frustum f, uint flags) {
 // The point is put back onto the part that was hit, in the cone's frame. Errors: the frame's three products and sums, the
 // world's sum, and the radius, which is a sum of its own.
 surface surface_cone(ray r, reals distance, reals part, frustum f) {
-    const vectors o = to_frame(f, sub(r.origin, f.base)), d = to_frame(f, r.direction);
+    const vectors o = apply(f.frame, sub(r.origin, f.base)), d = apply(f.frame, r.direction);
     vectors p = along(o, d, distance);
     const ints side = part == splat(PART_SIDE), top = part == splat(PART_TOP);
     const reals slant = splat(1) / sqrt(fma(f.slope, f.slope, splat(1)));
@@ -121,10 +114,10 @@ surface surface_cone(ray r, reals distance, reals part, frustum f) {
     p.x *= stretch;
     p.y *= stretch;
     surface s;
-    s.normal = s.shading = normalise_or(from_frame(f, normal), negate(r.direction));
-    s.point = add(f.base, from_frame(f, p));
+    s.normal = s.shading = normalise_or(apply_transposed(f.frame, normal), negate(r.direction));
+    s.point = add(f.base, apply_transposed(f.frame, p));
     const vectors in_frame =
-        add(absolute(scale(f.u, p.x)), add(absolute(scale(f.v, p.y)), absolute(scale(f.axis, p.z))));
+        add(absolute(scale(f.frame.x, p.x)), add(absolute(scale(f.frame.y, p.y)), absolute(scale(f.frame.z, p.z))));
     const reals of_radius = (f.radius + fabs(f.slope) * p.z) * slant * GAMMA(4);
     s.error = add(scale(in_frame, splat(GAMMA(12))), scale(add(absolute(f.base), absolute(s.point)), splat(GAMMA(3))));
     s.error = add(s.error, make_vectors(of_radius, of_radius, of_radius));

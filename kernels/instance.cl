@@ -5,10 +5,6 @@
 // power of two, so that distances are the world's times that power, exactly.
 
 typedef struct {
-    vectors x, y, z;
-} rows;
-
-typedef struct {
     rows to_object, to_world;
     vectors offset;
     ints turned;              // unless the linear part is the identity
@@ -32,14 +28,6 @@ placement find_placement(const scene *s, ints index) {
     at.unit = v.w;
     at.inverse_unit = w.w;
     return at;
-}
-
-vectors apply(rows m, vectors v) {
-    return make_vectors(dot3(m.x, v), dot3(m.y, v), dot3(m.z, v));
-}
-
-vectors apply_transposed(rows m, vectors v) {
-    return along(along(scale(m.x, v.x), m.y, v.y), m.z, v.z);
 }
 
 rows absolute_rows(rows m) {

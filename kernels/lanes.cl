@@ -238,6 +238,19 @@ reals dot3(vectors a, vectors b) {
     return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
 }
 
+// A linear map by its rows.
+typedef struct {
+    vectors x, y, z;
+} rows;
+
+vectors apply(rows m, vectors v) {
+    return make_vectors(dot3(m.x, v), dot3(m.y, v), dot3(m.z, v));
+}
+
+vectors apply_transposed(rows m, vectors v) {
+    return along(along(scale(m.x, v.x), m.y, v.y), m.z, v.z);
+}
+
 reals largest(vectors a) {
     return max(max(a.x, a.y), a.z);
 }
