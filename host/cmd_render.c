@@ -121,7 +121,9 @@ static int outputs_make_partial(outputs *o) {
     return 0;
 }
 
-/* A render that is shown, and stopped as soon as it is known that its picture cannot be written. */
+/* A render that is shown, and stopped as soon as it is known that its picture cannot be written. What writes pictures is
+ * loaded from the first step on and not before: the loader of libraries works for one at a time, and the device's driver
+ * and the trees' threads are among those who would wait. */
 typedef struct watch {
     progress progress;
     const char *out;
@@ -152,10 +154,6 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     if (!j->device)
         j->device = feeler_device_open(j->select, &error);
     j->hopeless = !j->device;
-    if (j->hopeless)
-        goto failed;
-    /* Not before: the loader of libraries works for one at a time, and the device's driver is one. */
-    j->hopeless = feeler_image_load_begin(o->out, &error);
     if (j->hopeless)
         goto failed;
     progress_begin(&watch.progress, o->name, !j->quiet);

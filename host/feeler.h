@@ -126,7 +126,8 @@ FEELER_API char *feeler_devices_json(feeler_error *error);
 
 typedef struct feeler_image feeler_image;
 
-/* Called between launches, several times a second: fraction done, 0 … 1. Nonzero stops the render. */
+/* Called with 0 when the scene is packed and its trees are built, before kernels are compiled, and between launches, several
+ * times a second: fraction done, 0 … 1. Nonzero stops the render. */
 typedef int (*feeler_progress)(void *user, double fraction);
 
 /* Renders. `progress` may be NULL. When progress asks to stop, the image so far is returned and error->code is

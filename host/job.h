@@ -7,11 +7,18 @@
 #include "upload.h"
 #include "work_group.h"
 
-/* A launch's results, on the device and here. Two take turns, so that the device never waits for the host. */
+/* What a launch writes for each pixel: see render_pixels in render.cl. */
+enum { RESULT_PIXELS, RESULT_RAYS, RESULT_UNSENT, RESULTS };
+
+typedef struct result {
+    cl_mem buffer;
+    void *host;   /* what is read into; owned */
+    size_t pixel; /* bytes */
+} result;
+
+/* A launch's results. Two take turns, so that the device never waits for the host. */
 typedef struct slot {
-    cl_mem pixels, discarded, tallies;
-    void *host_pixels, *host_discarded;
-    tally *host_tallies;
+    result results[RESULTS];
     cl_event launched, read;
     tile tile;
     double start;
@@ -32,6 +39,7 @@ typedef struct job {
     tiles tiles;
     feeler_image *image;
     double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */
+    bool stop;                          /* progress asked for it */
     double taken;                       /* when the last tile was finished */
     size_t done;                        /* pixels */
 } job;
@@ -39,7 +47,7 @@ typedef struct job {
 /* Bytes of the kernels' `real`. */
 size_t real_size(const job *job);
 size_t tile_pixels(const tile *tile);
-/* Whether rays are sent on at all: else the device writes no discarded weight. */
+/* Whether rays are sent on at all: else no weight is unsent and the deepest level is 1. */
 bool sends_rays(const job *job);
 
 /* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */

@@ -8,37 +8,40 @@ size_t real_size(const job *j) {
     return j->settings.level == FEELER_REFERENCE ? sizeof(double) : sizeof(float);
 }
 
-int open_slot(const job *j, slot *s, feeler_error *error) {
-    size_t colours = j->slot_pixels * 4 * real_size(j), tallies = j->slot_pixels * sizeof(tally);
-    cl_context context = j->device->context;
-    cl_int status;
-    s->host_pixels = malloc(colours);
-    s->host_discarded = malloc(colours);
-    s->host_tallies = malloc(tallies);
-    if (!s->host_pixels || !s->host_discarded || !s->host_tallies)
+/* The device's memory is this, where it shares the host's: then nothing is copied when results are read. */
+static int open_result(const job *j, result *r, size_t pixel, feeler_error *error) {
+    const size_t page = 4096, size = (j->slot_pixels * pixel + page - 1) / page * page;
+    r->pixel = pixel;
+    r->host = aligned_alloc(page, size);
+    if (!r->host)
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for a tile of %zu pixels", j->slot_pixels);
-    s->pixels = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS)
-        s->discarded = clCreateBuffer(context, CL_MEM_WRITE_ONLY, colours, NULL, &status);
-    if (status == CL_SUCCESS)
-        s->tallies = clCreateBuffer(context, CL_MEM_WRITE_ONLY, tallies, NULL, &status);
+    cl_int status;
+    r->buffer = clCreateBuffer(j->device->context, CL_MEM_WRITE_ONLY | CL_MEM_USE_HOST_PTR, size, r->host, &status);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clCreateBuffer", status);
 }
 
+int open_slot(const job *j, slot *s, feeler_error *error) {
+    const size_t colour = 4 * real_size(j), of[RESULTS] = {colour, sizeof(uint4), colour};
+    for (int i = 0; i < RESULTS; i++)
+        if (open_result(j, &s->results[i], of[i], error) < 0)
+            return -1;
+    return 0;
+}
+
+static void release_event(cl_event *event) {
+    if (*event)
+        clReleaseEvent(*event);
+    *event = NULL;
+}
+
 void close_slot(slot *s) {
-    if (s->read)
-        clReleaseEvent(s->read);
-    if (s->launched)
-        clReleaseEvent(s->launched);
-    if (s->pixels)
-        clReleaseMemObject(s->pixels);
-    if (s->discarded)
-        clReleaseMemObject(s->discarded);
-    if (s->tallies)
-        clReleaseMemObject(s->tallies);
-    free(s->host_pixels);
-    free(s->host_discarded);
-    free(s->host_tallies);
+    release_event(&s->launched);
+    release_event(&s->read);
+    for (int i = 0; i < RESULTS; i++) {
+        if (s->results[i].buffer)
+            clReleaseMemObject(s->results[i].buffer);
+        free(s->results[i].host);
+    }
 }
 
 /* The parameters that every entry point begins with, and the next index. */
@@ -93,9 +96,8 @@ static int bind_render(const job *j, const slot *s, feeler_error *error) {
     cl_uint i = bind_scene(kernel, &j->upload, &status);
     status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &j->upload.eye_media);
     status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
-    status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->pixels);
-    status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->discarded);
-    status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &s->tallies);
+    for (int k = 0; k < RESULTS; k++)
+        status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->results[k].buffer);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
 }
 
@@ -116,35 +118,37 @@ static int items(int length, int pixels) {
     return (length + pixels - 1) / pixels;
 }
 
+/* One after another, whatever order the queue keeps: the last one's event tells that all are there. */
+static int read_results(const job *j, slot *s, feeler_error *error) {
+    cl_int status = CL_SUCCESS;
+    for (int i = 0; i < (sends_rays(j) ? RESULTS : RESULT_UNSENT) && status == CL_SUCCESS; i++) {
+        const result *r = &s->results[i];
+        cl_event before = s->read;
+        s->read = NULL;
+        status = clEnqueueReadBuffer(j->device->queue, r->buffer, CL_FALSE, 0, tile_pixels(&s->tile) * r->pixel,
+                                     r->host, 1, before ? &before : &s->launched, &s->read);
+        release_event(&before);
+    }
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
+}
+
 int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     cl_command_queue queue = j->device->queue;
     s->tile = *t;
     s->start = seconds_now();
     if (bind_render(j, s, error) < 0)
         return -1;
-    const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]}, count = tile_pixels(t);
+    const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]};
     const int *pixels = j->settings.pixels;
     const size_t global[2] = {round_up(items(t->x1 - t->x0, pixels[0]), j->group[0]),
                               round_up(items(t->y1 - t->y0, pixels[1]), j->group[1])};
     cl_int status = clEnqueueNDRangeKernel(queue, j->program.render, 2, NULL, global, local, 0, NULL, &s->launched);
     if (status != CL_SUCCESS)
         return fail_cl(error, "clEnqueueNDRangeKernel", status);
-    const size_t colours = count * 4 * real_size(j);
-    cl_event before[2] = {NULL, NULL}; /* one read after another, whatever order the queue keeps */
-    status = clEnqueueReadBuffer(queue, s->pixels, CL_FALSE, 0, colours, s->host_pixels, 1, &s->launched, &before[0]);
-    const bool sends = sends_rays(j);
-    if (status == CL_SUCCESS && sends)
-        status = clEnqueueReadBuffer(queue, s->discarded, CL_FALSE, 0, colours, s->host_discarded, 1, &before[0],
-                                     &before[1]);
-    if (status == CL_SUCCESS)
-        status = clEnqueueReadBuffer(queue, s->tallies, CL_FALSE, 0, count * sizeof(tally), s->host_tallies, 1,
-                                     &before[sends], &s->read);
-    for (int i = 0; i < 2; i++)
-        if (before[i])
-            clReleaseEvent(before[i]);
-    if (status == CL_SUCCESS)
-        status = clFlush(queue);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
+    if (read_results(j, s, error) < 0)
+        return -1;
+    status = clFlush(queue);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clFlush", status);
 }
 
 double launch_seconds(const slot *s) {

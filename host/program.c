@@ -55,10 +55,11 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
         fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
         return NULL;
     }
-    int rays = s->samples * s->pixels[0] * s->pixels[1] > 1 ? s->lanes : 1;
-    used = (size_t)snprintf(text, size,
-                            "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DSTACK=%d -DMEDIA=%d",
-                            s->lanes, rays, s->pixels[0], s->pixels[1], stack_size(s), n.media);
+    const int eyes = s->samples * s->pixels[0] * s->pixels[1], rays = eyes > 1 ? s->lanes : 1;
+    used = (size_t)snprintf(
+        text, size,
+        "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DONE_PACKET=%d -DSTACK=%d -DMEDIA=%d",
+        s->lanes, rays, s->pixels[0], s->pixels[1], eyes <= rays, stack_size(s), n.media);
     if (n.width != WIDTH)
         used += (size_t)snprintf(text + used, size - used, " -DWIDTH=%d", n.width);
     if (s->level == FEELER_REFERENCE)

@@ -34,36 +34,36 @@ static feeler_image *new_image(const job *j, const feeler_scene *scene, feeler_e
     image->height = r[3] - r[1];
     image->is_double = j->settings.level == FEELER_REFERENCE;
     image->transparent = j->settings.transparent;
+    image->stats.deepest = 1;
     return image;
 }
 
-static void add_tallies(job *j, const slot *s, size_t count) {
+static void add_rays(job *j, const slot *s, size_t count) {
+    const uint4 *rays = s->results[RESULT_RAYS].host;
     render_stats *stats = &j->image->stats;
     for (size_t i = 0; i < count; i++) {
-        const tally *t = &s->host_tallies[i];
-        stats->reflection += t->rays.x;
-        stats->transmission += t->rays.y;
-        stats->shadow += t->rays.z;
-        stats->eye_hits += t->rays.w;
-        if ((int)t->extreme.x > stats->deepest)
-            stats->deepest = (int)t->extreme.x;
+        stats->reflection += rays[i].x;
+        stats->transmission += rays[i].y;
+        stats->shadow += rays[i].z;
+        stats->eye_hits += rays[i].w;
     }
     stats->eye += (uint64_t)count * (uint64_t)j->settings.samples;
 }
 
-static void add_discarded(job *j, const slot *s, size_t count) {
-    const float *floats = s->host_discarded;
-    const double *doubles = s->host_discarded;
+static void add_unsent(job *j, const slot *s, size_t count) {
+    const float *floats = s->results[RESULT_UNSENT].host;
+    const double *doubles = s->results[RESULT_UNSENT].host;
     for (size_t i = 0; i < count; i++) {
-        double most = 0;
+        double most = 0, one[4];
+        for (size_t k = 0; k < 4; k++)
+            one[k] = j->image->is_double ? doubles[4 * i + k] : (double)floats[4 * i + k];
         for (size_t k = 0; k < 3; k++) {
-            double w = j->image->is_double ? doubles[4 * i + k] : (double)floats[4 * i + k];
-            if (w > j->discarded[k])
-                j->discarded[k] = w;
-            if (w > most)
-                most = w;
+            j->discarded[k] = fmax(j->discarded[k], one[k]);
+            most = fmax(most, one[k]);
         }
         j->discarded_sum += most;
+        if ((int)one[3] > j->image->stats.deepest)
+            j->image->stats.deepest = (int)one[3];
     }
 }
 
@@ -72,7 +72,8 @@ static void copy_pixels(job *j, const slot *s) {
     const size_t size = 4 * real_size(j), row = (size_t)(t->x1 - t->x0) * size;
     for (int y = t->y0; y < t->y1; y++) {
         size_t at = (size_t)(y - j->image->y0) * (size_t)j->image->width + (size_t)(t->x0 - j->image->x0);
-        memcpy((char *)j->image->pixels + at * size, (const char *)s->host_pixels + (size_t)(y - t->y0) * row, row);
+        memcpy((char *)j->image->pixels + at * size,
+               (const char *)s->results[RESULT_PIXELS].host + (size_t)(y - t->y0) * row, row);
     }
 }
 
@@ -103,9 +104,9 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     j->image->stats.trace += first ? known : wall;
     j->image->stats.kernel = kernel < 0 ? -1 : j->image->stats.kernel + kernel;
     copy_pixels(j, s);
-    add_tallies(j, s, count);
+    add_rays(j, s, count);
     if (sends_rays(j))
-        add_discarded(j, s, count);
+        add_unsent(j, s, count);
     adapt_budget(j, known, count);
     j->done += count;
     clReleaseEvent(s->read);
@@ -117,23 +118,23 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
 /* Launches every tile, one ahead of the one whose results are taken. The first is awaited alone: it tells compile time. */
 static int run_tiles(job *j, feeler_progress progress, void *user, feeler_error *error) {
     const double all = (double)region_pixels(j);
-    int stop = 0, turn = 0;
+    int turn = 0;
     tile t;
-    while (!stop && tiles_next(&j->tiles, &t)) {
+    while (!j->stop && tiles_next(&j->tiles, &t)) {
         const bool first = j->image->stats.eye == 0 && turn == 0;
         if (start_tile(j, &j->slots[turn & 1], &t, error) < 0)
             return -1;
         if (finish_tile(j, &j->slots[first ? 0 : (turn + 1) & 1], first, error) < 0)
             return -1;
         turn++;
-        stop = progress ? progress(user, (double)j->done / all) : 0;
+        j->stop = progress && progress(user, (double)j->done / all);
     }
     for (int i = 0; i < 2; i++)
         if (finish_tile(j, &j->slots[(turn + i) & 1], false, error) < 0)
             return -1;
-    if (progress && !stop)
-        stop = progress(user, (double)j->done / all);
-    if (stop && (double)j->done < all)
+    if (progress && !j->stop)
+        j->stop = progress(user, (double)j->done / all);
+    if (j->stop && (double)j->done < all)
         fail(error, FEELER_INTERRUPTED, "interrupted at %.0f %%", 100 * (double)j->done / all);
     return 0;
 }
@@ -154,11 +155,12 @@ static size_t slot_room(const job *j) {
     return room > least ? room : least;
 }
 
-static int prepare(job *j, const feeler_scene *scene, feeler_error *error) {
+static int prepare(job *j, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error) {
     const feeler_settings *s = &j->settings;
     j->needs = choose_needs(scene, s);
     if (pack_scene(&j->packed, scene, s, j->needs, error) < 0)
         return -1;
+    j->stop = progress && progress(user, 0);
     const view view = pack_view(scene, s, j->packed.origin);
     bool inside = eye_may_be_inside(&j->packed, view.eye);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
@@ -217,7 +219,7 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
     if (status == 0 && j.settings.level == FEELER_REFERENCE && !device->has_double)
         status = fail(error, FEELER_DEVICE, "'%s' has no double precision, which level reference needs", device->name);
     if (status == 0)
-        status = prepare(&j, scene, error);
+        status = prepare(&j, scene, progress, user, error);
     if (status == 0)
         status = (j.image = new_image(&j, scene, error)) ? 0 : -1;
     if (status == 0)

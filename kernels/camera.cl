@@ -86,6 +86,11 @@ places place_samples(uints x, uints y, uints sample, uint samples, real jitter) 
 #define PIXELS (PIXELS_X * PIXELS_Y)
 #define PER_PIXEL (RAYS / PIXELS)
 
+// Whether one packet has all samples of its pixels.
+#ifndef ONE_PACKET
+#define ONE_PACKET 0
+#endif
+
 // The pixel and the sample of each lane: samples first, first + 1, ... of each pixel, from the pixel (x, y) on. The pixels'
 // first samples come first, then the second ones.
 typedef struct {
@@ -109,9 +114,50 @@ sites make_sites(uint x, uint y, uint first) {
 
 // The directions of the eye rays (16.5, 16.6).
 vectors eye_directions(global const view *camera, sites at, uint4 frame) {
-    const places p = place_samples(at.x, at.y, min(at.sample, frame.z - 1), frame.z, camera->limits.y);
+    const uint samples = (ONE_PACKET & (RAYS == 1)) ? 1 : frame.z;
+    const places p = place_samples(at.x, at.y, min(at.sample, samples - 1), samples, camera->limits.y);
     const reals across = TO_REALS(at.x) * R(2) - R(frame.x) + 2 * p.x;
     const reals down = R(frame.y) - TO_REALS(at.y) * R(2) - 2 * p.y;
     const vectors d = along(splat_xyz(camera->forward), splat_xyz(camera->right), across);
     return normalise(along(d, splat_xyz(camera->up), down));
+}
+
+#if HAS_TREE
+void aim_beam_axis(beam *b, int axis, real eye, real forward, real right, real up, real across, real down) {
+    const real centre = forward + right * across + up * down;
+    const real rounding = R(32) * UNIT * (fabs(forward) + fabs(right * across) + fabs(up * down));
+    const real reach = fabs(right) * R(PIXELS_X) + fabs(up) * R(PIXELS_Y) + rounding;
+    const real least = centre - reach, greatest = centre + reach, some = R(0x1p40) * LEAST_DIRECTION;
+    b->backwards[axis] = greatest < R(0);
+    b->both_ways[axis] = least < some && greatest > -some;
+    b->near_origin[axis] = b->far_origin[axis] = eye;
+    b->least_inverse[axis] = R(1) / greatest;
+    b->greatest_inverse[axis] = R(1) / least;
+}
+
+// All eye rays of the pixels from (x, y) on, with directions that do not have length 1.
+beam beam_of_pixels(global const view *camera, uint4 frame, uint x, uint y) {
+    const real across = R(2) * R(x) + R(PIXELS_X) - R(frame.x), down = R(frame.y) - R(2) * R(y) - R(PIXELS_Y);
+    beam b;
+    aim_beam_axis(&b, 0, camera->eye.x, camera->forward.x, camera->right.x, camera->up.x, across, down);
+    aim_beam_axis(&b, 1, camera->eye.y, camera->forward.y, camera->right.y, camera->up.y, across, down);
+    aim_beam_axis(&b, 2, camera->eye.z, camera->forward.z, camera->right.z, camera->up.z, across, down);
+    b.least = R(0);
+    return b;
+}
+#endif
+
+// Whether the tree is all that the eye could see, and no eye ray of the pixels from (x, y) on meets any of its root's boxes.
+bool sees_nothing(const scene *s, global const view *camera, uint4 frame, uint x, uint y) {
+#if HAS_TREE
+    if (s->count.w > 0 || s->count.z == 0)
+        return s->count.w == 0;
+    const beam b = beam_of_pixels(camera, frame, x, y);
+    uint met = 0;
+    for (uint k = 0; k < WIDTH; k += CHUNK)
+        met |= meet_boxes(&b, load_rows(s->nodes, k), load_rows(s->nodes + 3 * WIDTH, k), R(INFINITY));
+    return met == 0;
+#else
+    return false;
+#endif
 }

@@ -1,5 +1,5 @@
 // count.cl - how often the steps of traversals are taken, for tests/peers/limit.py, which builds with -DCOUNTING=1, 2, ...:
-// four counts from 4 * (COUNTING - 1) on then take the place of the rays in a pixel's tally. Else nothing is counted.
+// four counts from 4 * (COUNTING - 1) on then take the place of a pixel's rays. Else nothing is counted.
 #ifndef COUNTING
 #define COUNTING 0
 #endif

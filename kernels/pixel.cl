@@ -3,7 +3,7 @@
 // The order of a sum is part of the picture: sample i goes to part i mod PARTS, then those parts are added that are half
 // of all apart, and so on. That is the same for any number of lanes.
 #define PARTS 16
-#define PACKETS (PARTS / PER_PIXEL) // whose lanes are a pixel's parts
+#define PACKETS (ONE_PACKET ? 1 : PARTS / PER_PIXEL) // whose lanes are a pixel's parts
 
 // Half of the lanes are added to the others until one is left for each pixel.
 #if PIXELS == 1

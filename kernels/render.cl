@@ -16,29 +16,41 @@
             frame.count NO_COUNTS                                                                                      \
     }
 
-// The trees of the rays through the pixels from (x, y) on, sample after sample.
+// The eye rays through these sites, still without a direction.
+INLINE packet make_packet(global const view *camera, global const int *eye_media, const launch *frame, sites at) {
+    packet p;
+    p.origin = splat_xyz(camera->eye);
+    p.weight = splat_xyz((real4)(1));
+    p.depth = 1;
+    p.active = AS_MASK((at.sample < frame->frame.z) & (at.x < frame->tile.z) & (at.y < frame->tile.w));
+#if HAS_TRANSMISSION
+    for (int i = 0; i < MEDIA; i++)
+        p.in.material[i] = whole(eye_media[i]);
+#endif
+    return p;
+}
+
+// The trees of the rays through the pixels from (x, y) on, packet after packet.
 INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global const int *eye_media,
                              const launch *frame, uint x, uint y) {
-    const uint samples = frame->frame.z;
+    const bool nothing = sees_nothing(s, camera, frame->frame, x, y);
     tree_sum parts[PACKETS];
     uint packets = 0;
-    for (uint first = 0; first < samples; first += PER_PIXEL, packets++) {
-        const sites at = make_sites(x, y, first);
-        packet p;
-        p.origin = splat_xyz(camera->eye);
-        p.direction = eye_directions(camera, at, frame->frame);
-        p.weight = splat_xyz((real4)(1));
-        p.depth = 1;
-        p.active = AS_MASK((at.sample < samples) & (at.x < frame->tile.z) & (at.y < frame->tile.w));
-#if HAS_TRANSMISSION
-        for (int i = 0; i < MEDIA; i++)
-            p.in.material[i] = whole(eye_media[i]);
-#endif
-        const tree_sum sum = trace(s, camera, p, frame->frame.w);
+    do {
+        const sites at = make_sites(x, y, packets * PER_PIXEL);
+        packet p = make_packet(camera, eye_media, frame, at);
+        tree_sum sum;
+        if (nothing) {
+            sum = see_nothing(camera, &p);
+        } else {
+            p.direction = eye_directions(camera, at, frame->frame);
+            sum = trace(s, camera, p, frame->frame.w);
+        }
       private
         tree_sum *part = &parts[packets % PACKETS];
         *part = packets < PACKETS ? sum : add_trees(*part, &sum);
-    }
+        packets++;
+    } while (packets * PER_PIXEL < (ONE_PACKET ? 1 : frame->frame.z));
     return add_parts(parts, packets);
 }
 
@@ -46,9 +58,10 @@ real4 lane_colour(const vectors *v, uint lane, real w) {
     return (real4)(REAL_LANE(v->x, lane), REAL_LANE(v->y, lane), REAL_LANE(v->z, lane), w);
 }
 
-// Writes RGBA, the mean unsent weight per channel where rays are sent on, and the tally, row by row of the tile.
+// Writes row by row of the tile: RGBA; over all samples how many rays there were (reflection, transmission, shadow, eye
+// rays that hit); and where rays are sent on, the mean unsent weight per channel and the deepest level.
 NOINLINE void render_pixels(const scene *s, global const view *camera, global const int *eye_media, const launch *frame,
-                            uint x, uint y, global real4 *pixels, global real4 *discarded, global tally *tallies) {
+                            uint x, uint y, global real4 *pixels, global uint4 *rays, global real4 *unsent) {
     const tree_sum sum = trace_pixels(s, camera, eye_media, frame, x, y);
     const real samples = R(frame->frame.z);
     for (uint i = 0; i < PIXELS; i++) {
@@ -59,27 +72,26 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
         const uint hits = INT_LANE(sum.hits, i);
         pixels[at] = lane_colour(&sum.colour, i, R(hits)) / samples;
 #if HAS_REFLECTION || HAS_TRANSMISSION // else nothing is sent on
-        discarded[at] = lane_colour(&sum.discarded, i, R(0)) / samples;
+        unsent[at] = lane_colour(&sum.discarded, i, R(0)) / samples;
+        unsent[at].w = R(deepest_level(&sum, i));
 #endif
-        tallies[at].rays =
-            (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
+        rays[at] = (uint4)(INT_LANE(sum.reflection, i), INT_LANE(sum.transmission, i), INT_LANE(sum.shadow, i), hits);
 #if COUNTING
-        tallies[at].rays = vload4(COUNTING - 1, s->counts);
+        rays[at] = vload4(COUNTING - 1, s->counts);
 #endif
-        tallies[at].extreme = (uint4)(deepest_level(&sum, i), 0, 0, 0);
     }
 }
 
 // One pixel per work-item, or PIXELS.
 kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, global const view *views,
                                                          global const int *eye_media, const launch frame,
-                                                         global real4 *pixels, global real4 *discarded,
-                                                         global tally *tallies) {
+                                                         global real4 *pixels, global uint4 *rays,
+                                                         global real4 *unsent) {
     const uint x = frame.tile.x + get_global_id(0) * PIXELS_X, y = frame.tile.y + get_global_id(1) * PIXELS_Y;
     if (x >= frame.tile.z || y >= frame.tile.w)
         return;
     const scene s = SCENE_ARGUMENTS;
-    render_pixels(&s, views, eye_media, &frame, x, y, pixels, discarded, tallies);
+    render_pixels(&s, views, eye_media, &frame, x, y, pixels, rays, unsent);
 }
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been

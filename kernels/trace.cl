@@ -228,13 +228,25 @@ INLINE vectors see_background(global const view *camera, const packet *p, ints m
     return where(missed & mask(shows), mul(p->weight, splat_xyz(camera->background)));
 }
 
+INLINE tree_sum empty_sum() {
+    tree_sum sum;
+    sum.colour = sum.discarded = where(mask(false), splat_xyz((real4)(0)));
+    sum.hits = sum.reflection = sum.transmission = sum.shadow = sum.deepest = whole(0);
+    return sum;
+}
+
+// What eye rays that meet nothing add up to.
+INLINE tree_sum see_nothing(global const view *camera, const packet *p) {
+    tree_sum sum = empty_sum();
+    sum.colour = see_background(camera, p, p->active);
+    sum.deepest = p->active ? whole(1) : sum.deepest;
+    return sum;
+}
+
 // A pixel's colour is the sum of weight * I_local over its rays. Reflection goes first, transmission waits: at most one
 // packet waits at each depth.
 INLINE tree_sum trace(const scene *s, global const view *camera, packet p, uint depth) {
-    tree_sum sum;
-    sum.colour = sum.discarded = where(mask(false), p.origin);
-    sum.reflection = sum.transmission = sum.shadow = whole(0);
-    sum.deepest = whole(0);
+    tree_sum sum = empty_sum();
 #if HAS_REFLECTION && HAS_TRANSMISSION
     packet waiting[STACK];
     uint height = 0;

@@ -56,15 +56,15 @@ INLINE interval intersect_rows(const ray *r, sides n, global const real *rows, u
     return i;
 }
 
-#if RAYS > 1
-// The rays of a packet as one: between which numbers their origins and inverse directions are. An axis along which they
-// go both ways tells nothing.
+// Many rays as one: between which numbers their origins and inverse directions are. An axis along which they go both ways
+// tells nothing.
 typedef struct {
     real near_origin[3], far_origin[3], least_inverse[3], greatest_inverse[3];
     bool both_ways[3], backwards[3];
     real least; // distance
 } beam;
 
+#if RAYS > 1
 void set_beam_axis(beam *b, int axis, reals origin, reals inverse, ints active) {
     const real low = least_lane(active ? origin : splat(INFINITY)),
                high = greatest_lane(active ? origin : splat(-INFINITY));
@@ -86,6 +86,7 @@ beam make_beam(const ray *r, ints active) {
     b.least = least_lane(active ? nearest_far(r) : splat(INFINITY));
     return b;
 }
+#endif
 
 INLINE interval clip_axis(const beam *b, int axis, interval i, reals low, reals high) {
     if (b->both_ways[axis])
@@ -117,4 +118,3 @@ uint open_boxes(const beam *b, interval i, real limit) {
 INLINE uint meet_boxes(const beam *b, vectors low, vectors high, real limit) {
     return open_boxes(b, intersect_beam(b, low, high), limit);
 }
-#endif

@@ -117,12 +117,6 @@ typedef struct {
     uint4 count; /* lights, primitives in the tree, nodes, planes */
 } launch;
 
-/* What a pixel's ray tree was: counts by kind, the deepest level, over all samples. */
-typedef struct {
-    uint4 rays;    /* reflection, transmission, shadow, eye hits */
-    uint4 extreme; /* deepest level, 0, 0, 0 */
-} tally;
-
 /* A primitive: x its kind, y its index among its kind, z its material, w flags. */
 #define KIND_SPHERE 0u
 #define KIND_PLANE 1u

@@ -240,3 +240,25 @@ def test_random_scenes(seed: int) -> None:
     brute = scene.render(size=(64, 48), brute_force=True)
     assert brute.stats["rays"] == image.stats["rays"]
     assert same_bits(brute.pixels, image.pixels)
+
+
+@pytest.mark.parametrize(("samples", "pixels"), [(1, (1, 1)), (33, (1, 1)), (1, (4, 4))])
+def test_pixels_without_a_hit(samples: int, pixels: tuple[int, int]) -> None:
+    """Pixels are passed over at once where their eye rays meet nothing of the tree, and nowhere else: things are as small as
+    pixels, and cameras look along axes, too.
+    """
+    rng = np.random.default_rng(samples)
+    for k in range(12):
+        centres = rng.uniform(-1, 1, (6, 3))
+        things = [{"sphere": {"centre": c.tolist(), "radius": float(10 ** rng.uniform(-2.5, -0.5))}} for c in centres]
+        direction = np.eye(3)[k % 3] if k < 6 else rng.normal(size=3)
+        eye = centres[0] + (3 + k) * direction * (-1) ** k
+        camera = {"eye": eye.tolist(), "look_at": centres[0].tolist(), "fov": float(rng.uniform(5, 60))}
+        camera["up"] = np.eye(3)[(k + 1) % 3].tolist()
+        scene = feeler.Scene({"camera": camera, "lights": [{"point": [9, 9, 9]}], "objects": things})
+        tree, brute = (
+            scene.render(size=(61, 47), samples=samples, pixels=pixels, brute_force=b) for b in (False, True)
+        )
+        assert same_bits(tree.pixels, brute.pixels)
+        assert tree.stats["rays"] == brute.stats["rays"]
+        assert tree.stats["rays"]["eye_hits"] > 0

@@ -34,7 +34,7 @@ def members() -> dict[str, dict[str, str]]:
             for member in names.split(","):
                 lengths = re.findall(r"\[\w+\]", member)
                 found[name][member.partition("[")[0].strip()] = kind + "".join(lengths)
-    assert {"bounds", "cone", "material", "view", "launch", "tally"} <= set(found)
+    assert {"bounds", "cone", "material", "view", "launch"} <= set(found)
     assert len(found) == text.count("typedef")
     return found
 
