@@ -134,7 +134,11 @@ feeler_device *feeler_device_open(const char *select, feeler_error *error) {
         fail_cl(error, "clCreateContext", status);
         goto failed;
     }
-    device->queue = clCreateCommandQueue(device->context, device->id, CL_QUEUE_PROFILING_ENABLE, &status);
+    /* Out of order where that is known: a launch begins while the last groups of the one before still run. */
+    cl_command_queue_properties can = 0, wanted = CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE;
+    (void)clGetDeviceInfo(device->id, CL_DEVICE_QUEUE_PROPERTIES, sizeof can, &can, NULL);
+    device->queue =
+        clCreateCommandQueue(device->context, device->id, CL_QUEUE_PROFILING_ENABLE | (can & wanted), &status);
     if (!device->queue) {
         fail_cl(error, "clCreateCommandQueue", status);
         goto failed;

@@ -40,6 +40,7 @@ typedef struct job {
     feeler_image *image;
     double discarded[3], discarded_sum; /* greatest per channel; sum over pixels of the greatest channel */
     bool stop;                          /* progress asked for it */
+    cl_ulong launch_end;                /* of the last launch, by the device's clock */
     double taken;                       /* when the last tile was finished */
     size_t done;                        /* pixels */
 } job;
@@ -59,7 +60,8 @@ int find_eye_media(const job *job, feeler_error *error);
 int clear_eye_media(const job *job, feeler_error *error);
 /* Launches a tile and asks for its results; waits for nothing. */
 int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
-/* How long the launch ran on the device; negative where the queue does not tell. */
-double launch_seconds(const slot *slot);
+/* How long the launch ran on the device after the one before it had ended; negative where the queue does not tell. To be
+ * asked once for each, in their order. */
+double launch_seconds(job *job, const slot *slot);
 
 #endif

@@ -151,10 +151,15 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clFlush", status);
 }
 
-double launch_seconds(const slot *s) {
+double launch_seconds(job *j, const slot *s) {
     cl_ulong start, end;
     if (clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
         clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS)
         return -1;
+    if (start < j->launch_end)
+        start = j->launch_end;
+    if (end < start)
+        end = start;
+    j->launch_end = end;
     return 1e-9 * (double)(end - start);
 }

@@ -96,7 +96,7 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     const size_t count = tile_pixels(&s->tile);
     /* A launch waits for the one before it: only then does its own time begin. */
     const double now = seconds_now(), wall = now - fmax(s->start, j->taken);
-    const double kernel = launch_seconds(s), known = kernel < 0 ? wall : kernel;
+    const double kernel = launch_seconds(j, s), known = kernel < 0 ? wall : kernel;
     j->taken = now;
     /* A driver may compile for this group size at the first launch. */
     if (first)
