@@ -23,11 +23,14 @@ EMBREE = BUILD / "peers" / "embree_whitted"
 
 Word = str | Path
 
-# The setting that compiles everything is for tests, so that only the library has it.
-GENERAL = """
+# In one process, as the tracer beside it; samples are in their cells' centres, as its are.
+FRAMES = """
 import json, sys, feeler
-image = feeler.load(sys.argv[1]).render(size=(int(sys.argv[2]),) * 2, general=sys.argv[3] == "general")
-print(json.dumps(image.stats))
+options = json.loads(sys.argv[2])
+frames = options.pop("frames")
+scene = feeler.load(sys.argv[1])
+seconds = [scene.render(jitter=0, **options).stats["seconds"] for _ in range(frames)]
+print(json.dumps({"trace_s": min(s["trace"] for s in seconds), "compile_s": seconds[0]["compile"]}))
 """
 
 
@@ -66,10 +69,9 @@ def run(command: list[Word], folder: Path = FOLDER, **environment: str) -> Run:
     return Run(seconds, used.ru_maxrss * 1024, json.loads(text) if text.strip() else {})
 
 
-def run_feeler(scene: Path, size: int, samples: int = 1, *, pixels: str = "1x1", cache: Path | None = None) -> Run:
+def run_feeler(scene: Path, size: int, samples: int = 1, *, cache: Path | None = None) -> Run:
     """Renders to a file. Samples are in their cells' centres, where the other renderers have theirs."""
     options = ["--size", f"{size}x{size}", "--samples", str(samples), "--jitter", "0", "--quiet", "--stats", "-"]
-    options += ["--pixels", pixels]
     environment = {"POCL_CACHE_DIR": str(cache)} if cache else {}
     return run([FEELER, "render", scene, "-o", FOLDER / "feeler.png", *options], **environment)
 
@@ -80,10 +82,21 @@ def trace_seconds(result: Run) -> float:
     return float(said["trace_s"] if "trace_s" in said else said["seconds"]["trace"])
 
 
-def run_library(scene: Path, size: int, general: bool, cache: Path) -> Run:
-    """Renders in Python, with kernels for the scene or general ones."""
-    command: list[Word] = [sys.executable, "-c", GENERAL, scene, str(size), "general" if general else "special"]
-    return run(command, POCL_CACHE_DIR=str(cache), FEELER_LIBRARY=str(BUILD))
+def run_frames(
+    scene: Path,
+    size: int,
+    samples: int = 1,
+    *,
+    pixels: tuple[int, int] = (1, 1),
+    general: bool = False,
+    frames: int = 5,
+    cache: Path | None = None,
+) -> Run:
+    """The fastest of some frames, as of run_embree, and the first one's compilation; `general`: compiles everything."""
+    options = {"size": [size, size], "samples": samples, "pixels": pixels, "general": general, "frames": frames}
+    environment = {"POCL_CACHE_DIR": str(cache)} if cache else {}
+    command: list[Word] = [sys.executable, "-c", FRAMES, scene, json.dumps(options)]
+    return run(command, FEELER_LIBRARY=str(BUILD), **environment)
 
 
 def run_embree(

@@ -10,7 +10,7 @@ from typing import Any
 
 import bench_programs as programs
 from bench_pairs import Pairs, Spread, measure_pairs, spread
-from bench_programs import ROOT, Run, classic, run_embree, run_feeler, run_library, run_povray, trace_seconds
+from bench_programs import ROOT, classic, run_embree, run_feeler, run_frames, run_povray, trace_seconds
 
 
 @dataclass(frozen=True)
@@ -75,23 +75,22 @@ TRACED = ("balls", "tetra", "mount")
 
 
 def one_ray(plan: Plan) -> Iterator[Result]:
-    """Embree, one ray at a time: trace time, one sample."""
+    """Embree, one ray at a time: trace time, one sample, the fastest of five frames of each."""
     size = 512 if plan.quick else 1024
     for name in TRACED:
         plan.say(f"one-ray {name} {size} x {size}")
         scene = classic(name)
-        for pixels, wanted, aim in (("1x1", 1.5, 2.0), ("4x4", None, None)):
-            run_feeler(scene, size, pixels=pixels)  # compiles
+        for side, wanted, aim in ((1, 1.5, 2.0), (4, None, None)):
             pairs = measure_pairs(
-                lambda scene=scene, pixels=pixels: trace_seconds(run_feeler(scene, size, pixels=pixels)),
+                lambda scene=scene, side=side: trace_seconds(run_frames(scene, size, pixels=(side, side))),
                 lambda scene=scene: trace_seconds(run_embree(scene, size, 1, "1", tracer=plan.tracer)),
                 plan.repeat,
             )
-            yield times_faster("one-ray", name if wanted else f"{name}, --pixels {pixels}", pairs, wanted, aim)
+            yield times_faster("one-ray", name if wanted else f"{name}, --pixels {side}x{side}", pairs, wanted, aim)
 
 
 def best_mode(plan: Plan) -> Iterator[Result]:
-    """Embree's best mode at 16 samples per pixel: trace time."""
+    """Embree's best mode at 16 samples per pixel: trace time, the fastest of five frames of each."""
     size = 256 if plan.quick else 512
     medians = []
     for name in TRACED:
@@ -102,9 +101,8 @@ def best_mode(plan: Plan) -> Iterator[Result]:
             tried[mode] = trace_seconds(run_embree(scene, size, 16, mode, frames=2, tracer=plan.tracer))
         best = min(tried, key=lambda mode: tried[mode])
         plan.say(f"best-mode {name} {size} x {size}: against mode {best}")
-        run_feeler(scene, size, 16)
         pairs = measure_pairs(
-            lambda scene=scene: trace_seconds(run_feeler(scene, size, 16)),
+            lambda scene=scene: trace_seconds(run_frames(scene, size, 16)),
             lambda scene=scene, best=best: trace_seconds(run_embree(scene, size, 16, best, tracer=plan.tracer)),
             plan.repeat,
         )
@@ -136,10 +134,6 @@ def pov_ray(plan: Plan) -> Iterator[Result]:
 # ---- against itself
 
 
-def _compile(result: Run) -> float:
-    return float(result.said["seconds"]["compile"])
-
-
 def specialised(plan: Plan) -> Iterator[Result]:
     """Itself without specialisation, on a scene that needs little: trace time, and compilation into an empty cache."""
     scene, size = classic("tetra"), 512 if plan.quick else 1024
@@ -147,17 +141,16 @@ def specialised(plan: Plan) -> Iterator[Result]:
     with tempfile.TemporaryDirectory() as folder:
 
         def trace(general: bool) -> float:
-            return trace_seconds(run_library(scene, size, general, Path(folder)))
+            return trace_seconds(run_frames(scene, size, general=general, cache=Path(folder)))
 
-        for general in (False, True):
-            trace(general)
         plan.say(f"specialised tetra {size} x {size}")
         pairs = measure_pairs(lambda: trace(False), lambda: trace(True), plan.repeat)
     for _ in range(min(plan.repeat, 3)):
         for general, found in colds.items():
             plan.say("specialised tetra: compiling into an empty cache")
             with tempfile.TemporaryDirectory() as folder:
-                found.append(_compile(run_library(scene, 64, general, Path(folder))))
+                run = run_frames(scene, 64, general=general, frames=1, cache=Path(folder))
+                found.append(float(run.said["compile_s"]))
     yield times_faster("specialised", "tetra, trace", pairs, 1.0, None)
     yield times_faster("specialised", "tetra, first compilation", Pairs(colds[False], colds[True]), None, None)
 
