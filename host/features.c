@@ -25,6 +25,7 @@ const char *const feature_names[FEATURE_COUNT] = {
     "total_reflection",
     "shadows",
     "filtered_shadows",
+    "lights",
     "tree",
 };
 
@@ -87,6 +88,7 @@ static uint32_t scene_features(const feeler_scene *scene) {
     features |= bit(FEATURE_REFLECTION, features & bit(FEATURE_TOTAL_REFLECTION, true));
     features |= bit(FEATURE_SHADOWS, scene->shadows && scene->light_count > 0);
     features |= bit(FEATURE_FILTERED_SHADOWS, scene->shadows && scene->filtered_shadows && transmits);
+    features |= bit(FEATURE_LIGHTS, scene->light_count > 1);
     return features;
 }
 

@@ -63,6 +63,9 @@
 #ifndef HAS_FILTERED_SHADOWS
 #define HAS_FILTERED_SHADOWS 1
 #endif
+#ifndef HAS_LIGHTS /* more than one */
+#define HAS_LIGHTS 1
+#endif
 #ifndef HAS_TREE /* 0: every primitive is tried */
 #define HAS_TREE 1
 #endif

@@ -14,6 +14,10 @@
 #define RAYS LANES
 #endif
 
+// Where each ray is alone, the lights of its hit lie side by side, and so do its feelers to them: a fan, which travels as a
+// packet.
+#define FANS (RAYS == 1 && LANES > 1 && HAS_LIGHTS && !HAS_FILTERED_SHADOWS)
+
 #ifndef INLINE // empty where a checker does not know what inlining leaves
 #define INLINE __attribute__((always_inline))
 #endif
@@ -198,6 +202,11 @@ vectors make_vectors(reals x, reals y, reals z) {
 
 vectors splat_xyz(real4 v) {
     return make_vectors(splat(v.x), splat(v.y), splat(v.z));
+}
+
+// Lane k's, in every lane.
+vectors lane_of(vectors v, uint k) {
+    return make_vectors(splat(REAL_LANE(v.x, k)), splat(REAL_LANE(v.y, k)), splat(REAL_LANE(v.z, k)));
 }
 
 quads splat_quads(real4 v) {

@@ -32,6 +32,38 @@ coefficients find_coefficients(const scene *s, ints material) {
     return c;
 }
 
+// A light for every ray; or in a fan, a light in each lane.
+typedef struct {
+    vectors position, diffuse, specular;
+    ints is_near; // at a point, else in a direction
+} lamps;
+
+INLINE lamps load_lamps(global const light *lights, uint count) {
+    lamps l = {splat_xyz(lights->position), splat_xyz(lights->diffuse), splat_xyz(lights->specular),
+               mask(lights->position.w != R(0))};
+#if FANS
+    for (uint k = 1; k < count; k++) {
+        const light one = lights[k];
+        REAL_LANE(l.position.x, k) = one.position.x;
+        REAL_LANE(l.position.y, k) = one.position.y;
+        REAL_LANE(l.position.z, k) = one.position.z;
+        REAL_LANE(l.diffuse.x, k) = one.diffuse.x;
+        REAL_LANE(l.diffuse.y, k) = one.diffuse.y;
+        REAL_LANE(l.diffuse.z, k) = one.diffuse.z;
+        REAL_LANE(l.specular.x, k) = one.specular.x;
+        REAL_LANE(l.specular.y, k) = one.specular.y;
+        REAL_LANE(l.specular.z, k) = one.specular.z;
+        INT_LANE(l.is_near, k) = one.position.w != R(0) ? TRUE : 0;
+    }
+#endif
+    return l;
+}
+
+// The segment or, of length 1, the direction to each light.
+vectors reach(const lamps *l, vectors from) {
+    return choose(l->is_near, sub(l->position, from), l->position);
+}
+
 // A feeler ends this much short of its light, relative to its length: a light may lie on a surface.
 #define FEELER_SHORT (R(1) - R(64) * UNIT)
 
@@ -57,19 +89,19 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
 }
 #endif
 
-// What arrives at a point from a light at `to_light` (a segment; a direction of length 1 where the light is directional).
-INLINE visibility send_feelers(const scene *s, const shade_point *p, light l, ints front, ints active) {
+// What arrives at a point from its lights.
+INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps *l, ints front, ints active) {
     visibility v;
     v.sent = active;
     v.share = where(active, splat_xyz((real4)(1)));
 #if HAS_SHADOWS
-    if (!any_ray(active))
+    if (!any_lane(active))
         return v;
     const vectors origin = spawn(p->point, p->error, choose(front, p->normal, negate(p->normal)));
-    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), origin) : splat_xyz(l.position);
+    const vectors segment = reach(l, origin);
     const reals length = sqrt(dot3(segment, segment));
     const vectors direction = scale(segment, splat(1) / length);
-    const reals limit = l.position.w != R(0) ? length * FEELER_SHORT : splat(INFINITY);
+    const reals limit = l->is_near ? length * FEELER_SHORT : splat(INFINITY);
     active &= length > splat(0);
 #if HAS_FILTERED_SHADOWS
     v.share = filter_feeler(s, origin, direction, limit, active);
@@ -86,32 +118,32 @@ ints is_positive(vectors a) {
 }
 
 // The two terms of one light at each lane: reflection's where it is on the viewer's side, transmission's where it is not.
-INLINE illumination illuminate(const scene *s, const shade_point *p, const coefficients *c, light l, ints active) {
-    const vectors intensity_d = splat_xyz(l.diffuse), intensity_s = splat_xyz(l.specular);
-    const vectors segment = l.position.w != R(0) ? sub(splat_xyz(l.position), p->point) : splat_xyz(l.position);
+INLINE illumination illuminate(const scene *s, const shade_point *p, const coefficients *c, const lamps *l,
+                               ints active) {
+    const vectors segment = reach(l, p->point);
     const reals squared = dot3(segment, segment);
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
     const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
     const ints front = active & (cosine > splat(0)) & (side > splat(0));
     ints sends = mask(false);
-    vectors diffuse = where(sends, intensity_d), specular = diffuse;
+    vectors diffuse = where(sends, l->diffuse), specular = diffuse;
     reals shine = splat(0);
 #if HAS_DIFFUSE
-    diffuse = where(front, mul(c->diffuse, intensity_d));
+    diffuse = where(front, mul(c->diffuse, l->diffuse));
 #endif
 #if HAS_SPECULAR
-    specular = where(front, mul(c->specular, intensity_s));
+    specular = where(front, mul(c->specular, l->specular));
     shine = front ? dot3(p->r, direction) : shine;
 #endif
 #if HAS_DIFFUSE_TRANSMISSION || HAS_SPECULAR_TRANSMISSION
     const ints back = active & (cosine < splat(0)) & (side < splat(0));
 #endif
 #if HAS_DIFFUSE_TRANSMISSION
-    diffuse = choose(back, mul(c->diffuse_transmission, intensity_d), diffuse);
+    diffuse = choose(back, mul(c->diffuse_transmission, l->diffuse), diffuse);
 #endif
 #if HAS_SPECULAR_TRANSMISSION
-    specular = choose(back & p->t.found, mul(c->specular_transmission, intensity_s), specular);
+    specular = choose(back & p->t.found, mul(c->specular_transmission, l->specular), specular);
     shine = back & p->t.found ? dot3(p->t.direction, direction) : shine;
 #endif
     const ints shines = is_positive(specular) & (shine > splat(0));
@@ -121,7 +153,7 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     i.feelers = count_where(whole(0), HAS_SHADOWS ? v.sent : mask(false));
     vectors sum = scale(diffuse, fabs(cosine));
 #if HAS_SPECULAR || HAS_SPECULAR_TRANSMISSION
-    if (any_ray(shines & is_positive(v.share))) {
+    if (any_lane(shines & is_positive(v.share))) {
         const reals highlight = power(min(shines ? shine : splat(0), splat(1)), c->shininess);
         sum = add(sum, scale(specular, shines ? highlight : splat(0)));
     }
@@ -138,10 +170,20 @@ illumination illuminate_locally(const scene *s, const shade_point *p, vectors am
     sum.feelers = whole(0);
     const vectors ambient = mul(GATHER(s->materials, material, ambient).xyz, ambient_light);
     sum.colour = where(active, add(ambient, GATHER(s->materials, material, emission).xyz));
-    for (uint i = 0; i < s->count.x; i++) {
-        const illumination one = illuminate(s, p, &c, s->lights[i], active);
+    const uint step = FANS ? LANES : 1;
+    for (uint i = 0; i < s->count.x; i += step) {
+        const uint count = min(s->count.x - i, step);
+        const lamps l = load_lamps(s->lights + i, count);
+#if FANS
+        const illumination all = illuminate(s, p, &c, &l, mask_of_bits((1u << count) - 1));
+        for (uint k = 0; k < count; k++)
+            sum.colour = add(sum.colour, lane_of(all.colour, k));
+        sum.feelers += whole((integer)popcount(lane_bits(all.feelers != 0)));
+#else
+        const illumination one = illuminate(s, p, &c, &l, active);
         sum.colour = add(sum.colour, one.colour);
         sum.feelers += one.feelers;
+#endif
     }
     return sum;
 }

@@ -137,7 +137,7 @@ NOINLINE hit traverse_one(const scene *s, const ray *r, hit best, uint2 here, bo
     return best;
 }
 
-#if RAYS > 1
+#if RAYS > 1 || FANS
 INLINE hit try_apart(const scene *s, const ray *r, const beam *b, ints active, hit best, uint2 link, real limit) {
     global const real *block = s->blocks + (size_t)link.x * WIDTH;
     global const uint *numbers = s->block_numbers + (link.y & TAG_NUMBER) * WIDTH;
@@ -315,6 +315,13 @@ NOINLINE hit traverse_many(const scene *s, const ray *r, ints active, hit best, 
 
 // Below a node or a block, for the active lanes.
 hit traverse_below(const scene *s, const ray *r, ints active, hit best, uint2 here, bool any) {
+#if FANS
+    if (any) {
+        const uint lanes = lane_bits(active);
+        return popcount(lanes) < FEW ? traverse_lanes(s, r, lanes, best, here, any)
+                                     : traverse_many(s, r, active, best, here, any);
+    }
+#endif
 #if RAYS > 1
     return traverse_many(s, r, active, best, here, any);
 #else
@@ -335,7 +342,7 @@ hit traverse(const scene *s, const ray *r, ints active, reals limit, bool any) {
     if (any)
         active &= best.primitive < 0;
 #endif
-    if (!any_ray(active))
+    if (!any_lane(active))
         return best;
 #if HAS_TREE
     if (s->count.z > 0) {

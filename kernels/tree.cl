@@ -64,7 +64,7 @@ typedef struct {
     real least; // distance
 } beam;
 
-#if RAYS > 1
+#if RAYS > 1 || FANS
 void set_beam_axis(beam *b, int axis, reals origin, reals inverse, ints active) {
     const real low = least_lane(active ? origin : splat(INFINITY)),
                high = greatest_lane(active ? origin : splat(-INFINITY));
