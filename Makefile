@@ -22,7 +22,9 @@ ALL_CFLAGS = -std=c11 $(WARN) -fPIC -fvisibility=hidden -ffp-contract=off -pthre
   -DFEELER_VERSION='"$(VERSION)"' -Ihost -Ikernels -I$(BUILD) $(shell pkg-config --cflags $(LIBS)) $(CFLAGS)
 ALL_CXXFLAGS = -std=c++17 $(WARN) -fPIC -fvisibility=hidden -pthread -DFEELER_VERSION='"$(VERSION)"' -Ihost \
   $(shell pkg-config --cflags-only-I OpenImageIO | sed 's/-I/-isystem /g') $(CFLAGS)
-LDLIBS = $(shell pkg-config --libs $(LIBS)) -lembree3 -lm -ldl
+# As host/tree.c includes it.
+EMBREE = $(shell $(CXX) -E -x c++ -include embree4/rtcore.h /dev/null >/dev/null 2>&1 && echo embree4 || echo embree3)
+LDLIBS = $(shell pkg-config --libs $(LIBS)) -l$(EMBREE) -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
@@ -205,7 +207,6 @@ test-peers: peers ## compare with other renderers; the difference images are in 
 
 # A tracer of our own on Embree, to be measured beside us: as fast as Embree allows. Embree 4 where there is one.
 PEER_CXXFLAGS := -std=c++17 -O3 -march=native -ffast-math $(WARN) -Wno-psabi
-EMBREE = $(shell $(CXX) -E -x c++ -include embree4/rtcore.h /dev/null >/dev/null 2>&1 && echo embree4 || echo embree3)
 $(BUILD)/peers/embree_whitted: $(wildcard tests/peers/embree/*.[ch]pp)
 	mkdir -p $(@D)
 	$(CXX) $(PEER_CXXFLAGS) -o $@ $(filter %.cpp,$^) -l$(EMBREE) -lpthread

@@ -158,15 +158,17 @@ static size_t slot_room(const job *j) {
 static int prepare(job *j, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error) {
     const feeler_settings *s = &j->settings;
     j->needs = choose_needs(scene, s);
-    if (pack_scene(&j->packed, scene, s, j->needs, error) < 0)
+    j->options = program_options(s, j->needs, error);
+    if (!j->options || pack_scene(&j->packed, scene, s, j->needs, error) < 0)
         return -1;
     j->stop = progress && progress(user, 0);
+    if (j->stop)
+        return 0;
     const view view = pack_view(scene, s, j->packed.origin);
     bool inside = eye_may_be_inside(&j->packed, view.eye);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
         return -1;
-    j->options = program_options(s, j->needs, error);
-    if (!j->options || program_build(&j->program, j->device, j->options, error) < 0 ||
+    if (program_build(&j->program, j->device, j->options, error) < 0 ||
         choose_work_group(j->device, &j->program, s, j->needs, j->options, j->group, &j->group_from, error) < 0)
         return -1;
     j->slot_pixels = slot_room(j);

@@ -153,9 +153,9 @@ bool sees_nothing(const scene *s, global const view *camera, uint4 frame, uint x
     if (s->count.w > 0 || s->count.z == 0)
         return s->count.w == 0;
     const beam b = beam_of_pixels(camera, frame, x, y);
-    uint met = 0;
+    uint met = 0; // empty places are boxes at infinity
     for (uint k = 0; k < WIDTH; k += CHUNK)
-        met |= meet_boxes(&b, load_rows(s->nodes, k), load_rows(s->nodes + 3 * WIDTH, k), R(INFINITY));
+        met |= meet_boxes(&b, load_rows(s->nodes, k), load_rows(s->nodes + 3 * WIDTH, k), FARTHEST);
     return met == 0;
 #else
     return false;

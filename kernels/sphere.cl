@@ -7,8 +7,9 @@ crossing intersect_sphere(ray r, vectors centre, reals radius, uint flags) {
     const reals a = dot3(r.direction, r.direction);
     const reals b = -dot3(f, r.direction);
     const vectors chord = along(f, r.direction, b / a);
-    // Roots are dear: a ray that passes by is known by the squares, unless it is at the edge.
-    const reals near = dot3(chord, chord), far = dot3(f, f), reach = radius * radius * (R(1) + R(8) * UNIT);
+    // Roots are dear: a ray that passes by is known by the squares, unless it is at the edge or they are too small to tell.
+    const reals near = dot3(chord, chord), far = dot3(f, f);
+    const reals reach = max(radius * radius * (R(1) + R(8) * UNIT), splat(SMALLEST_NORMAL / UNIT));
     crossing none = {mask(false), splat(0), splat(0), splat(0)};
     if (!any_lane((near <= reach) | (far <= reach)))
         return none;

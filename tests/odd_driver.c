@@ -1,9 +1,11 @@
-/* odd_driver.c - preloaded, makes an OpenCL driver that is wrong for groups two wide, whose work-items count from 1, and
- * that tells a microsecond for every launch of groups sixteen wide. For processes that use groups of one size. */
+/* odd_driver.c - preloaded, makes an OpenCL driver that is wrong for groups two wide, whose work-items count from 1, that
+ * tells a microsecond for every launch of groups sixteen wide, and that crashes at groups three wide. For processes that use
+ * groups of one size. */
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 #include <dlfcn.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,6 +29,8 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
     enqueue_call next;
     find_next("clEnqueueNDRangeKernel", &next);
     width = local ? local[0] : 0;
+    if (width == 3)
+        raise(SIGSEGV);
     return next(queue, kernel, dimensions, width == 2 ? one : offset, global, local, count, before, event);
 }
 

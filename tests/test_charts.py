@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
@@ -142,3 +144,16 @@ def test_bad_results(tmp_path: Path, case: str) -> None:
 def test_a_missing_file(tmp_path: Path) -> None:
     with pytest.raises(feeler.Error, match=r"a\.json: cannot be read"):
         charts.work_groups(tmp_path / "a.json")
+
+
+def test_scenes_of_one_name() -> None:
+    """In two folders."""
+    results = [result(x, 4, x + n, scene=f"{n}/balls.nff") for n in (1, 2) for x in (2, 4)]
+    figure = charts.work_groups({"results": results})
+    assert len(figure.axes) == 4
+    assert [texts(axes) for axes in figure.axes[:2]] == [["3", "5"], ["4", "6"]]
+
+
+def test_it_is_there_when_asked_for() -> None:
+    code = "import feeler, sys; assert 'matplotlib' not in sys.modules; feeler.charts.work_groups"
+    subprocess.run([sys.executable, "-c", code], check=True)

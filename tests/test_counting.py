@@ -1,5 +1,6 @@
 """What tests/peers/limit.py builds the kernels with: counts in place of the rays, and every traversal twice."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -30,3 +31,15 @@ def test_steps_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, samp
     else:
         assert least / 16 <= beams < least
         assert boxes + lone >= beams  # a way asks a node at least, or its rays go on alone
+
+
+def test_pixels_are_passed_over_in_every_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the same scene, mirrored, as many eye rays are sent: a fourth at most, and no other rays are."""
+    monkeypatch.setenv("FEELER_KERNEL_OPTIONS", "-DCOUNTING=1")
+    sent = []
+    for x, y, z in itertools.product((-4, 4), (-3, 3), (-5, 5)):
+        camera = {"eye": [x, y, z], "look_at": [0, 0, 0], "fov": 40}
+        scene = feeler.Scene({"camera": camera, "shadows": False, "objects": [{"sphere": {"radius": 0.3}}]})
+        sent.append(scene.render(size=(64, 64)).stats["rays"]["reflection"])  # that is, ways of one ray
+    assert 0 < max(sent) < 64 * 64 / 4
+    assert max(sent) - min(sent) < 0.1 * max(sent)

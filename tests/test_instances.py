@@ -144,6 +144,25 @@ def test_lanes(scene: feeler.Scene) -> None:
     assert same_bits(scene.render(lanes=16, brute_force=True, **options).pixels, alone.pixels)
 
 
+@pytest.mark.parametrize("scale", [1e-18, 1e-22])
+def test_lanes_of_spheres_whose_squares_vanish(scale: float) -> None:
+    rng = np.random.default_rng(5)
+    hits = 0
+    for _ in range(25):
+        turn = {"axis": rng.normal(size=3).tolist(), "angle": 40}
+        shape = [{"scale": (10 ** rng.uniform(-1.5, 0.3, 3)).tolist()}, {"rotate": turn}]
+        scene = feeler.Scene({
+            "camera": {"eye": [0, 0, 0.9 * scale], "look_at": [0, 0, 0], "fov": 120},
+            "background": 0.5,
+            "groups": {"g": [{"sphere": {"radius": 0.3 * scale}}]},
+            "objects": [{"instance": "g", "transform": shape}],
+        })  # fmt: skip
+        one, many = (scene.render(size=(61, 61), samples=4, lanes=lanes, tile=4000) for lanes in (1, 16))
+        assert same_bits(one.pixels, many.pixels)
+        hits += one.stats["rays"]["eye_hits"]
+    assert hits > 1000
+
+
 def test_lanes_with_filtered_shadows() -> None:
     scene = feeler.Scene(placed(filtered_shadows=True))
     options: dict[str, Any] = {"samples": 4, "region": (8, 6, 32, 24)}

@@ -280,6 +280,15 @@ def test_progress_rises_and_can_stop(scene: feeler.Scene) -> None:
     assert np.array_equal(stopped.pixels[finished], image.pixels[finished])
 
 
+def test_a_stop_before_anything_is_compiled(scene: feeler.Scene) -> None:
+    seen: list[float] = []
+    image = scene.render(size=(64, 64), progress=lambda done: not seen.append(done))
+    assert seen == [0]
+    assert image.interrupted
+    assert not image.pixels.any()
+    assert image.stats["seconds"]["compile"] == 0
+
+
 def test_what_a_progress_function_raises_comes_out(scene: feeler.Scene) -> None:
     def fail(_done: float) -> None:
         raise ValueError("enough")

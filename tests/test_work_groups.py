@@ -188,6 +188,16 @@ def odd_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return library
 
 
+def test_a_crash_of_the_driver_is_a_row(
+    cli: Any, scene: Path, odd_driver: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LD_PRELOAD", str(odd_driver))
+    by_size = {size_of(result): result for result in sweep(cli, scene, *FAST, "--work-groups", "3x1,4x4")}
+    assert by_size[3, 1]["invalidity"] == "runtime"
+    assert measured(by_size[3, 1])["detail"].startswith("crashed: signal ")
+    assert by_size[4, 4]["invalidity"] == "correct", "the sweep goes on"
+
+
 def test_another_picture_is_a_failure(cli: Any, scene: Path, odd_driver: Path) -> None:
     env = {**os.environ, "LD_PRELOAD": str(odd_driver)}
     done = cli("bench", scene, *FAST, "--work-groups", "2x2,4x4", "--csv", "a.csv", env=env)

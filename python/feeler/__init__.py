@@ -27,6 +27,9 @@ Coordinates are right-handed, in the scene's own unit of length; angles are degr
 goes wrong is a `feeler.Error`, which says where: file, line and column, or the path of a dict's key.
 """
 
+from importlib import import_module
+from types import ModuleType
+
 from ._device import devices, kernel_options, kernel_source
 from ._library import Error, lib, to_string
 from .image import Image
@@ -34,5 +37,13 @@ from .probe import probe
 from .scene import Scene, load
 
 __version__: str = to_string(lib.feeler_version())
+
+
+def __getattr__(name: str) -> ModuleType:
+    """`feeler.charts` is loaded when it is first asked for: matplotlib is needed by nothing else."""
+    if name == "charts":
+        return import_module("feeler.charts")
+    raise AttributeError(f"module 'feeler' has no attribute '{name}'")
+
 
 __all__ = ["Error", "Image", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]

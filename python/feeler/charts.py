@@ -123,8 +123,10 @@ def _read(results: Results) -> list[_Case]:
         content = results if isinstance(results, Mapping) else json.loads(Path(source).read_text(encoding="utf-8"))
         cases: dict[str, _Case] = {}
         for result in content["results"]:
-            title = _title(result["configuration"])
-            cases.setdefault(title, _Case(title)).sizes.append(_read_size(result))
+            configuration = result["configuration"]
+            rest = {name: value for name, value in configuration.items() if not name.startswith("work_group")}
+            case = cases.setdefault(json.dumps(rest, sort_keys=True), _Case(_title(configuration)))
+            case.sizes.append(_read_size(result))
     except OSError as error:
         raise Error(f"cannot be read: {error.strerror}", source=source, code=BAD_INPUT) from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
