@@ -118,6 +118,7 @@ static int run(const feeler_device *device, cl_kernel kernel, void *inputs, void
     size_t real = doubles ? sizeof(double) : sizeof(float);
     cl_int status;
     int result = -1;
+    cl_event ran = NULL;
     cl_mem out = NULL;
     cl_mem in = clCreateBuffer(device->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, COUNT * INPUTS * real, inputs,
                                &status);
@@ -129,14 +130,16 @@ static int run(const feeler_device *device, cl_kernel kernel, void *inputs, void
     }
     if (set_arguments(kernel, in, out, doubles, error))
         goto done;
-    status = clEnqueueNDRangeKernel(device->queue, kernel, 1, NULL, &items, &group, 0, NULL, NULL);
+    status = clEnqueueNDRangeKernel(device->queue, kernel, 1, NULL, &items, &group, 0, NULL, &ran);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clEnqueueNDRangeKernel", status);
         goto done;
     }
-    status = clEnqueueReadBuffer(device->queue, out, CL_TRUE, 0, COUNT * OUTPUTS * real, outputs, 0, NULL, NULL);
+    status = clEnqueueReadBuffer(device->queue, out, CL_TRUE, 0, COUNT * OUTPUTS * real, outputs, 1, &ran, NULL);
     result = status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
 done:
+    if (ran)
+        (void)clReleaseEvent(ran);
     if (out)
         (void)clReleaseMemObject(out);
     if (in)

@@ -250,6 +250,11 @@ def test_doctor(cli: Any) -> None:
         assert text in result.stdout
 
 
+def test_doctor_waits_for_what_is_compiled_at_the_first_launch(cli: Any, tmp_path: Path) -> None:
+    result = cli("doctor", env={**os.environ, "POCL_CACHE_DIR": str(tmp_path / "cache")})
+    assert result.returncode == 0, result.stdout
+
+
 def test_doctor_finds_a_closed_cache(cli: Any, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     result = cli("doctor", env={**os.environ, "POCL_CACHE_DIR": str(tmp_path / "file" / "cache")})

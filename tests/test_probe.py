@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
@@ -140,6 +141,17 @@ def test_a_build_failure_has_its_log() -> None:
 
 def test_a_given_queue(queue: Any) -> None:
     assert feeler.probe("dot3", [1, 2, 3], [4, 5, 6], queue=queue) == 32
+
+
+def test_a_queue_without_order(queue: Any) -> None:
+    cl = pytest.importorskip("pyopencl")
+    properties = cl.command_queue_properties.OUT_OF_ORDER_EXEC_MODE_ENABLE
+    if not queue.device.queue_properties & properties:
+        pytest.skip("the device has no queue without order")
+    unordered = cl.CommandQueue(queue.context, properties=properties)
+    # The first launch compiles; a read that did not wait would be done by then.
+    never_built = f"-DNEVER_BUILT={time.time_ns()}"
+    assert feeler.probe("dot3", [1, 2, 3], [4, 5, 6], queue=unordered, options=f"{PLAIN} {never_built}") == 32
 
 
 # ---- the reader of prototypes, on a source of its own

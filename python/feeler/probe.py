@@ -245,10 +245,10 @@ def _launch(queue: Any, program: Any, items: int, inputs: list[Array], outputs: 
     try:
         kernel = cl.Kernel(program, "probe_kernel")
         buffers = [cl.Buffer(queue.context, flags, hostbuf=array) for array in arrays]
-        kernel(queue, (items,), (1,), *buffers)  # a driver may choose a group too large for its stack
+        ran = kernel(queue, (items,), (1,), *buffers)  # a driver may choose a group too large for its stack
         for array, buffer in zip(outputs, buffers[len(inputs) :], strict=True):
             if array.nbytes:
-                cl.enqueue_copy(queue, array, buffer)
+                cl.enqueue_copy(queue, array, buffer, wait_for=[ran])
         queue.finish()
     except cl.Error as error:
         raise Error(f"OpenCL failed: {error}", code=DEVICE) from None
