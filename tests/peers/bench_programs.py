@@ -69,9 +69,12 @@ def run(command: list[Word], folder: Path = FOLDER, **environment: str) -> Run:
     return Run(seconds, used.ru_maxrss * 1024, json.loads(text) if text.strip() else {})
 
 
-def run_feeler(scene: Path, size: int, samples: int = 1, *, cache: Path | None = None) -> Run:
+def run_feeler(
+    scene: Path, size: int, samples: int = 1, *, pixels: tuple[int, int] = (1, 1), cache: Path | None = None
+) -> Run:
     """Renders to a file. Samples are in their cells' centres, where the other renderers have theirs."""
     options = ["--size", f"{size}x{size}", "--samples", str(samples), "--jitter", "0", "--quiet", "--stats", "-"]
+    options += ["--pixels", f"{pixels[0]}x{pixels[1]}"]
     environment = {"POCL_CACHE_DIR": str(cache)} if cache else {}
     return run([FEELER, "render", scene, "-o", FOLDER / "feeler.png", *options], **environment)
 

@@ -118,17 +118,20 @@ def best_mode(plan: Plan) -> Iterator[Result]:
 def pov_ray(plan: Plan) -> Iterator[Result]:
     """POV-Ray: whole process, kernel cache warm."""
     size = 512 if plan.quick else 2048
-    for samples, wanted in ((1, 6), (16, 15)):
+    for samples, side, wanted in ((1, 1, 6), (1, 4, None), (16, 1, 15)):
         for name in ("balls", "rings", "mount"):
-            plan.say(f"pov-ray {name} {size} x {size}, samples: {samples}")
-            scene, exported = classic(name), programs.write_pov(name)
-            run_feeler(scene, size, samples)
+            case = f"{name}, samples: {samples}" + (f", --pixels {side}x{side}" if side > 1 else "")
+            plan.say(f"pov-ray {case}, {size} x {size}")
+            scene, exported, pixels = classic(name), programs.write_pov(name), (side, side)
+            run_feeler(scene, size, samples, pixels=pixels)
             pairs = measure_pairs(
-                lambda scene=scene, samples=samples: run_feeler(scene, size, samples).seconds,
+                lambda scene=scene, samples=samples, pixels=pixels: (
+                    run_feeler(scene, size, samples, pixels=pixels).seconds
+                ),
                 lambda scene=exported, samples=samples: run_povray(scene, size, samples).seconds,
                 min(plan.repeat, 3 if samples == 16 else plan.repeat),
             )
-            yield times_faster("pov-ray", f"{name}, samples: {samples}", pairs, wanted, None)
+            yield times_faster("pov-ray", case, pairs, wanted, None)
 
 
 # ---- against itself
