@@ -32,17 +32,20 @@ pencil make_pencil(ray r, vectors origin, real direction, const hit *source) {
     return p;
 }
 
-// How sure it is that the passage is a hit. What the ray has just left is behind it by the way that it started (spawn), and
-// what a ray that goes through surfaces has passed has been decided.
-real sure_of(const pencil *p, const passage *c, bool own) {
-    const bool settled = own || p->ray.least > R(0);
-    const real ahead = settled ? (c->distance > p->ray.least ? R(INFINITY) : -R(INFINITY)) : in_bounds(c->distance, c->error);
-    return min(c->there, ahead);
+// How sure it is that the passage is a hit. What the ray has just left is behind it by the way that it started (spawn): a
+// passage of the same primitive within a few bounds is that one. What a ray that goes through surfaces has passed has been
+// decided.
+real sure_of(const pencil *p, const passage *c, bool own, bool wins) {
+    if (own && !wins && c->distance < R(4) * c->error)
+        return -R(INFINITY);
+    if (p->ray.least > R(0))
+        return c->distance > p->ray.least ? c->there : -R(INFINITY);
+    return min(c->there, in_bounds(c->distance, c->error));
 }
 
 // A rival does not win because it is missed, or because it is farther away.
 void weigh(decision *d, const pencil *p, const passage *c, bool own, bool wins) {
-    const real met = sure_of(p, c, own);
+    const real met = sure_of(p, c, own, wins);
     if (d->kind == NEAREST) {
         const real farther = d->winner < 0 ? -R(INFINITY) : in_bounds(c->distance - d->limit, c->error + d->error);
         d->margin = min(d->margin, wins ? fabs(met) : max(max(-met, farther), R(0)));
@@ -330,7 +333,7 @@ void note_critical_angle(const scene *s, vectors v, vectors n, real eta, real ti
 #define NOTE_FEELER(s, q, l, active, origin, direction, length, limit)                                                         \
     do {                                                                                                               \
         const pencil around = make_pencil(make_ray(origin, direction), (q)->error,                                     \
-                                          BLUR_OF_DIRECTION + BLUR_OF_WAY(q, l, length), &(q)->source);                \
+                                          GAMMA(4) + BLUR_OF_WAY(q, l, length), &(q)->source);                         \
         if (active)                                                                                                    \
             note(s, margin_of_feeler(s, &around, limit));                                                              \
     } while (0)

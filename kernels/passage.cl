@@ -84,20 +84,31 @@ real blur_across(const pencil *p, real distance, vectors point, vectors normal) 
     return dot3(absolute(normal), add(blur_at(p, distance), sizes)) + GAMMA(2) * (fabs(off.x) + fabs(off.y) + fabs(off.z));
 }
 
-// A plane that nothing bounds: a ray parallel to it may or may not meet it somewhere.
+// What n.d may be off by.
+real blur_of_slope(const pencil *p, vectors normal) {
+    const vectors size = absolute(normal);
+    return dot3(size, p->direction) + GAMMA(8) * dot3(size, absolute(p->ray.direction));
+}
+
+// Whether a ray might as well be parallel to a plane.
+bool grazes(const pencil *p, vectors normal) {
+    return fabs(dot3(normal, p->ray.direction)) < LIMIT * blur_of_slope(p, normal);
+}
+
+// A plane that nothing bounds. A ray that grazes it meets it nowhere near, if at all.
 passage pass_plane(const pencil *p, vectors point, vectors normal, uint flags) {
     const real slope = dot3(normal, p->ray.direction), gap = dot3(normal, sub(point, p->ray.origin));
-    const real distance = gap / slope;
-    if (!(fabs(distance) < R(INFINITY)))
-        return make_passage(R(0), R(INFINITY), R(INFINITY));
-    const vectors size = absolute(normal);
-    const real of_slope = dot3(size, p->direction) + GAMMA(8) * dot3(size, absolute(p->ray.direction));
+    const real of_slope = blur_of_slope(p, normal), distance = gap / slope;
     real there = R(INFINITY);
     if (flags & FLAG_FRONT_HIDDEN)
         there = in_bounds(slope, of_slope);
     if (flags & FLAG_BACK_HIDDEN)
         there = in_bounds(-slope, of_slope);
-    return make_passage(distance, blur_across(p, distance, point, normal) / fabs(slope), there);
+    if (!grazes(p, normal))
+        return make_passage(distance, blur_across(p, distance, point, normal) / fabs(slope), there);
+    const real bound = blur_across(p, R(0), point, normal), steepest = fabs(slope) + LIMIT * of_slope;
+    const real toward = in_bounds(slope * copysign(R(1), gap), of_slope);
+    return make_passage(max(fabs(gap) - LIMIT * bound, R(0)) / steepest, bound / steepest, min(there, toward));
 }
 #endif
 
@@ -110,7 +121,8 @@ passage pass_disc(const pencil *p, vectors centre, vectors normal, real radius, 
     const real apart = length_of(along(f, d, c.distance));
     const real bound = length_of(blur_at(p, c.distance)) + length_of(blur_of_point(centre)) + GAMMA(4) * radius +
                        GAMMA(6) * (length_of(f) + speed * fabs(c.distance)) + speed * c.error;
-    c.there = min(c.there, in_bounds(radius - apart, bound));
+    if (!grazes(p, normal))
+        c.there = min(c.there, in_bounds(radius - apart, bound));
     const real clear = fabs(dot3(normal, along(f, d, nearest))) - fabs(dot3(normal, d)) / speed * radius;
     if (clear > R(0))
         c.there = min(c.there, -in_bounds(clear, blur_across(p, nearest, centre, normal)));
