@@ -200,8 +200,10 @@ vectors blur_of_corner(const pencil *p, vectors corner) {
     const real across = (x + shear_x * z) + (y + shear_y * z) + GAMMA(4) * (shear_x + shear_y) * fabs(far);
     return make_vectors(across, across, z * fabs(h.z));
 }
+#endif
 
-// How far the sheared edge passes from the ray. Multiplied by a power of two, so that squares do not vanish.
+#if HAS_TRIANGLE || HAS_POLYGON || HAS_CONE
+// How far the line from a to b passes from (0, 0), across the third axis. Multiplied by a power of two, so that squares do not vanish.
 real distance_to_edge(vectors a, vectors b) {
     const real unit = power_over(max(largest_across(a), largest_across(b)));
     const vectors from = scale_across(a, unit), to = scale_across(b, unit);
