@@ -16,8 +16,9 @@ typedef struct {
     real margin;
 } decision;
 
-// The direction of a ray: a few products and sums, divided by their length.
-#define BLUR_OF_DIRECTION GAMMA(16)
+// An eye ray's direction: three packed vectors, two products, two sums (4 u, for both the frame's rows and the place in it
+// have length 1), divided by their length.
+#define BLUR_OF_DIRECTION GAMMA(9)
 
 pencil make_pencil(ray r, vectors origin, real direction, const hit *source) {
     pencil p;
@@ -260,8 +261,17 @@ real blur_of_own_normal(const scene *s, const pencil *p, uint4 primitive, real d
     return own + length_of(blur_at(p, distance)) / radius;
 }
 
-real blur_of_normal(const scene *s, const pencil *p, const hit *h, vectors normal) {
-    const real slope = max(fabs(dot3(p->ray.direction, normal)), UNIT);
+// What is known of a hit only roughly: where the point is on the surface, and which way its normal goes.
+typedef struct {
+    vectors point;
+    real normal;
+} doubt;
+
+doubt doubt_surface(const scene *s, const pencil *p, const hit *h, const surface *f) {
+    const real slope = max(fabs(dot3(p->ray.direction, f->normal)), UNIT);
+    const vectors blur = blur_at(p, h->distance);
+    doubt e;
+    e.point = add(f->error, along(blur, absolute(p->ray.direction), splat(dot3(absolute(f->normal), blur) / slope)));
 #if HAS_INSTANCE
     const uint4 outer = s->primitives[h->primitive];
     if (outer.x == KIND_INSTANCE) {
@@ -270,11 +280,24 @@ real blur_of_normal(const scene *s, const pencil *p, const hit *h, vectors norma
         const vectors ones = make_vectors(R(1), R(1), R(1));
         const real stretch = length_of(apply(absolute_rows(at.to_world), ones)) *
                              length_of(apply(absolute_rows(at.to_object), ones));
-        return blur_of_own_normal(s, &q, s->primitives[h->inside], h->distance * at.unit) / slope *
-               (at.turned ? stretch : R(1));
+        const real normal = blur_of_own_normal(s, &q, s->primitives[h->inside], h->distance * at.unit) / slope;
+        e.normal = at.turned ? normal * stretch : normal;
+        return e;
     }
 #endif
-    return blur_of_own_normal(s, p, s->primitives[h->primitive], h->distance) / slope;
+    e.normal = blur_of_own_normal(s, p, s->primitives[h->primitive], h->distance) / slope;
+    return e;
+}
+
+// What the direction may be off by of a ray that is reflected (16.9), v and n being off by so much.
+real blur_of_reflection(real v, real n) {
+    return v + R(2) * n + GAMMA(12);
+}
+
+// And of one that is refracted (16.17, 16.18): t_perp's root loses near the critical angle.
+real blur_of_refraction(vectors t, vectors n, real eta, real v, real n_blur) {
+    const real cosine = max(fabs(dot3(t, n)), UNIT), sine = sqrt(max(R(1) - cosine * cosine, R(0)));
+    return eta * (v + R(2) * n_blur) * (R(1) + sine / cosine) + n_blur + GAMMA(16) * (R(1) + sine / cosine);
 }
 
 void note(const scene *s, real margin) {
@@ -296,28 +319,30 @@ void note_critical_angle(const scene *s, vectors v, vectors n, real eta, real ti
     note(s, fabs(in_bounds(R(1) - squared, squared * GAMMA(12) + R(2) * sqrt(squared) * eta * tilt)));
 }
 
+#define PENCIL_OF(p, r) make_pencil(*(r), (p)->blur, (p)->slant, &(p)->source)
 #define NOTE_HIT(s, p, r, h)                                                                                           \
     do {                                                                                                               \
-        const pencil around = make_pencil(*(r), (p)->blur, BLUR_OF_DIRECTION, &(p)->source);                           \
+        const pencil around = PENCIL_OF(p, r);                                                                         \
         note(s, margin_of_hit(s, &around, h));                                                                         \
     } while (0)
-#define NOTE_TILT(s, p, r, e)                                                                                          \
+#define NOTE_SURFACE(s, p, r, e)                                                                                       \
     do {                                                                                                               \
-        const pencil around = make_pencil(*(r), (p)->blur, BLUR_OF_DIRECTION, &(p)->source);                           \
-        (e)->tilt = blur_of_normal(s, &around, &(e)->h, (e)->f.normal);                                                \
+        const pencil around = PENCIL_OF(p, r);                                                                         \
+        (e)->doubt = doubt_surface(s, &around, &(e)->h, &(e)->f);                                                      \
     } while (0)
-#define NOTE_REFRACTION(s, e, q)                                                                                       \
+#define NOTE_REFRACTION(s, p, e, q)                                                                                    \
     do {                                                                                                               \
         if (is_positive(GATHER((s)->materials, (e)->id.material, transmission).xyz) ||                                 \
             is_positive(GATHER((s)->materials, (e)->id.material, specular_transmission).xyz))                          \
-            note_critical_angle(s, (q)->v, (q)->shading, (e)->b.eta, (q)->tilt + BLUR_OF_DIRECTION);                   \
+            note_critical_angle(s, (q)->v, (q)->shading, (e)->b.eta, (q)->doubt.normal + (p)->slant);                  \
     } while (0)
-// What the way to a light may be off by, per unit of its length: `q` its start, `l` the light.
+// What the way to a light may be off by, per unit of its length.
 #define BLUR_OF_WAY(q, l, length)                                                                                      \
-    ((l)->is_near ? length_of(add((q)->error, add(blur_of_point((q)->point), blur_of_point((l)->position)))) / (length) \
+    ((l)->is_near ? length_of(add((q)->doubt.point, add(blur_of_point((q)->point), blur_of_point((l)->position)))) /   \
+                        (length)                                                                                       \
                   : R(0))
 #define NOTE_LIGHT(s, q, c, l, cosine, side, squared)                                                                  \
-    note_light(s, cosine, side, GAMMA(8) + (q)->tilt + BLUR_OF_WAY(q, l, sqrt(squared)),                               \
+    note_light(s, cosine, side, GAMMA(8) + (q)->doubt.normal + BLUR_OF_WAY(q, l, sqrt(squared)),                       \
                is_positive(mul((c)->diffuse, (l)->diffuse)) || is_positive(mul((c)->specular, (l)->specular)),         \
                is_positive(mul(BACK_DIFFUSE(c), (l)->diffuse)) || is_positive(mul(BACK_SPECULAR(c), (l)->specular)))
 #if HAS_DIFFUSE_TRANSMISSION
@@ -330,17 +355,17 @@ void note_critical_angle(const scene *s, vectors v, vectors n, real eta, real ti
 #else
 #define BACK_SPECULAR(c) make_vectors(R(0), R(0), R(0))
 #endif
-#define NOTE_FEELER(s, q, l, active, origin, direction, length, limit)                                                         \
+#define NOTE_FEELER(s, q, l, active, origin, direction, length, limit)                                                 \
     do {                                                                                                               \
-        const pencil around = make_pencil(make_ray(origin, direction), (q)->error,                                     \
+        const pencil around = make_pencil(make_ray(origin, direction), (q)->doubt.point,                               \
                                           GAMMA(4) + BLUR_OF_WAY(q, l, length), &(q)->source);                         \
         if (active)                                                                                                    \
             note(s, margin_of_feeler(s, &around, limit));                                                              \
     } while (0)
 #else
 #define NOTE_HIT(s, p, r, h) ((void)0)
-#define NOTE_TILT(s, p, r, e) ((void)0)
-#define NOTE_REFRACTION(s, e, q) ((void)0)
+#define NOTE_SURFACE(s, p, r, e) ((void)0)
+#define NOTE_REFRACTION(s, p, e, q) ((void)0)
 #define NOTE_LIGHT(s, q, c, l, cosine, side, squared) ((void)0)
 #define NOTE_FEELER(s, q, l, active, origin, direction, length, limit) ((void)0)
 #endif

@@ -6,7 +6,7 @@ typedef struct {
     refraction t;
 #if MARGIN
     hit source; // the surface
-    real tilt;  // what the normals' direction may be off by
+    doubt doubt;
 #endif
 } shade_point;
 

@@ -24,7 +24,8 @@ INLINE packet make_packet(global const view *camera, global const int *eye_media
     p.depth = 1;
 #if MARGIN
     p.source = no_hit(splat(0));
-    p.blur = scale(absolute(p.origin), splat(GAMMA(2)));
+    p.blur = blur_of_point(p.origin);
+    p.slant = BLUR_OF_DIRECTION;
 #endif
     p.active = AS_MASK((at.sample < frame->frame.z) & (at.x < frame->tile.z) & (at.y < frame->tile.w));
 #if HAS_TRANSMISSION

@@ -11,6 +11,7 @@ typedef struct {
 #if MARGIN
     hit source;   // what it leaves
     vectors blur; // what its start may be off by
+    real slant;   // and its direction
 #endif
 } packet;
 
@@ -36,7 +37,7 @@ typedef struct {
     hit first; // h, before what touches it is met together with it
 #endif
 #if MARGIN
-    real tilt; // what the normal's direction may be off by
+    doubt doubt;
 #endif
 } encounter;
 
@@ -97,7 +98,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     e.id = identify(s, found, &e.h);
     e.f = find_surface(s, r, &e.h, found, &e.id);
     e.entering = dot3(e.f.normal, p->direction) < splat(0);
-    NOTE_TILT(s, p, r, &e);
+    NOTE_SURFACE(s, p, r, &e);
 #if HAS_TRANSMISSION
     const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, &p->in, e.id.material, e.entering);
@@ -122,7 +123,7 @@ INLINE encounter choose_encounter(ints m, encounter a, encounter b) {
     a.first = m ? a.first : b.first;
 #endif
 #if MARGIN
-    a.tilt = m ? a.tilt : b.tilt;
+    a.doubt = m ? a.doubt : b.doubt;
 #endif
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
@@ -156,7 +157,7 @@ INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
     q.v = negate(p->direction);
 #if MARGIN
     q.source = e->first;
-    q.tilt = e->tilt;
+    q.doubt = e->doubt;
 #endif
     q.normal = choose(e->entering, e->f.normal, negate(e->f.normal));
     q.shading = q.normal;
@@ -233,7 +234,7 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
     c.reflected = c.transmitted = *p;
     c.reflected.active = c.transmitted.active = mask(false);
 #if BENDS
-    NOTE_REFRACTION(s, e, q);
+    NOTE_REFRACTION(s, p, e, q);
 #endif
 #if HAS_REFLECTION || HAS_TRANSMISSION
     const shares share = find_shares(s, q, e);
@@ -247,7 +248,11 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
 #endif
 #if MARGIN
     c.reflected.source = c.transmitted.source = e->first;
-    c.reflected.blur = c.transmitted.blur = q->error;
+    c.reflected.blur = c.transmitted.blur = q->doubt.point;
+    c.reflected.slant = blur_of_reflection(p->slant, q->doubt.normal);
+#if HAS_TRANSMISSION
+    c.transmitted.slant = blur_of_refraction(q->t.direction, q->shading, e->b.eta, p->slant, q->doubt.normal);
+#endif
 #endif
     sum->reflection = count_where(sum->reflection, c.reflected.active);
     sum->transmission = count_where(sum->transmission, c.transmitted.active);
