@@ -258,7 +258,8 @@ real blur_of_own_normal(const scene *s, const pencil *p, uint4 primitive, real d
         radius = (primitive.w & FLAG_SMOOTH) ? height / R(2) : radius;
     }
 #endif
-    return own + length_of(blur_at(p, distance)) / radius;
+    const vectors way = scale(p->ray.direction, distance);
+    return own + (length_of(blur_at(p, distance)) + GAMMA(5) * (length_of(p->ray.origin) + length_of(way))) / radius;
 }
 
 // What is known of a hit only roughly: where the point is on the surface, and which way its normal goes.

@@ -35,13 +35,12 @@ real length_of(vectors a) {
 
 // How far from where it should be the ray's point at this distance may be, per coordinate.
 vectors blur_at(const pencil *p, real distance) {
-    const vectors size = along(absolute(p->ray.origin), absolute(p->ray.direction), fabs(distance));
-    return along(along(p->origin, p->direction, fabs(distance)), size, GAMMA(4));
+    return along(p->origin, p->direction, fabs(distance));
 }
 
 // What a point that was packed may be off by.
 vectors blur_of_point(vectors point) {
-    return scale(absolute(point), GAMMA(2));
+    return scale(absolute(point), GAMMA(1));
 }
 
 passage make_passage(real distance, real error, real there) {
@@ -51,15 +50,16 @@ passage make_passage(real distance, real error, real there) {
 }
 
 #if HAS_SPHERE
-// The chord's distance from the centre decides. Its root loses where the chord is short: sqrt(x + e) - sqrt(x) is at most
-// e / sqrt(x), and at most sqrt(e).
+// The chord's distance from the centre decides. What rounding takes of its middle's place lies along the ray, square to that
+// distance. The root loses where the chord is short: sqrt(x + e) - sqrt(x) is at most e / sqrt(x), and at most sqrt(e).
 uint pass_sphere(const pencil *p, vectors centre, real radius, uint flags, passage *ways) {
     const vectors f = sub(p->ray.origin, centre), d = p->ray.direction;
     const real a = dot3(d, d), b = -dot3(f, d), speed = sqrt(a);
     const vectors chord = along(f, d, b / a);
     const real apart = length_of(chord), length = length_of(f);
-    const real bound = length_of(blur_at(p, b / a)) + length_of(blur_of_point(centre)) + GAMMA(16) * length +
-                       GAMMA(4) * radius;
+    const real astray = GAMMA(10) * length;
+    const real bound = length_of(blur_at(p, b / a)) + length_of(blur_of_point(centre)) + GAMMA(5) * (length + radius) +
+                       min(astray, astray * astray / (R(2) * apart));
     const real squared = max((radius - apart) * (radius + apart), R(0));
     const real q = b + copysign(sqrt(a * squared), b);
     const real s = (length - radius) * (length + radius) / q, t = q / a;
@@ -70,7 +70,7 @@ uint pass_sphere(const pencil *p, vectors centre, real radius, uint flags, passa
     for (int leaving = 0; leaving < 2; leaving++) {
         const real distance = leaving ? max(s, t) : min(s, t);
         if (!(flags & (leaving ? FLAG_BACK_HIDDEN : FLAG_FRONT_HIDDEN)))
-            ways[n++] = make_passage(distance, (bound + of_root) / speed + GAMMA(8) * fabs(distance), there);
+            ways[n++] = make_passage(distance, (bound + astray + of_root) / speed + GAMMA(8) * fabs(distance), there);
     }
     return n;
 }
@@ -135,7 +135,8 @@ passage pass_disc(const pencil *p, vectors centre, vectors normal, real radius, 
 real between_planes(const pencil *p, int axis, real distance, real error, vectors low, vectors high) {
     const real o = component(p->ray.origin, axis, 0), d = component(p->ray.direction, axis, 0);
     const real x = fma(d, distance, o), from = component(low, axis, 0), to = component(high, axis, 0);
-    const real bound = component(blur_at(p, distance), axis, 0) + GAMMA(3) * (fabs(from) + fabs(to)) + fabs(d) * error;
+    const real bound = component(blur_at(p, distance), axis, 0) + fabs(d) * error +
+                       GAMMA(3) * (fabs(from) + fabs(to) + fabs(o) + fabs(d * distance));
     return in_bounds(min(x - from, to - x), bound);
 }
 
@@ -271,7 +272,7 @@ pencil lay_along(const pencil *p, frustum f) {
     q.ray.origin = apply(f.frame, to);
     q.ray.direction = apply(f.frame, p->ray.direction);
     const real origin = length_of(p->origin) + length_of(blur_of_point(f.base)) + GAMMA(8) * length_of(to) +
-                        GAMMA(2) * length_of(p->ray.origin);
+                        GAMMA(1) * length_of(p->ray.origin);
     const real direction = length_of(p->direction) + GAMMA(8) * length_of(p->ray.direction);
     q.origin = make_vectors(origin, origin, origin);
     q.direction = make_vectors(direction, direction, direction);
@@ -289,7 +290,7 @@ beside find_beside(const pencil *q, frustum f, real distance) {
     b.z = x.z;
     b.radius = fma(f.slope, x.z, f.radius);
     b.outside = sqrt(fma(x.x, x.x, x.y * x.y)) - fabs(b.radius);
-    b.bound = length_of(blur_at(q, distance)) * (R(1) + fabs(f.slope)) + GAMMA(6) * (f.radius + fabs(f.slope * x.z));
+    b.bound = (length_of(blur_at(q, distance)) + GAMMA(4) * length_of(x)) * (R(1) + fabs(f.slope)) + GAMMA(6) * (f.radius + fabs(f.slope * x.z));
     return b;
 }
 
@@ -341,7 +342,8 @@ uint pass_cone(const pencil *p, frustum f, uint flags, passage *ways) {
         const real error = here.bound / fabs(apart);
         if (flags & (apart > R(0) ? FLAG_BACK_HIDDEN : FLAG_FRONT_HIDDEN))
             continue;
-        const real of_z = q.origin.x + q.direction.x * fabs(distance) + GAMMA(4) * (fabs(o.z) + f.height) + fabs(d.z) * error;
+        const real of_z = q.origin.x + q.direction.x * fabs(distance) + GAMMA(4) * (fabs(o.z) + fabs(d.z * distance) + f.height) +
+                          fabs(d.z) * error;
         ways[sides++] = make_passage(distance, error < R(INFINITY) ? error : R(INFINITY),
                                      min(met, in_bounds(min(here.z, f.height - here.z), of_z)));
     }
