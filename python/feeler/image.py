@@ -70,13 +70,14 @@ class Image:
         """What `render` was asked for beside the picture, by name; shapes (height, width) or (height, width, 3).
 
         Of the ray through the pixel's centre, in the pixels' type: "depth", the distance along it, infinite where it hits
-        nothing; "position" in the scene's coordinates and "normal", the one that shades, on the viewer's side, both 0 there.
-        Likewise "object", a place in the scene's list of objects (an instance's own for what is in it), and "material", a
-        place in `materials`: int32, -1 where nothing is hit.
+        nothing; "position" in the scene's coordinates and "normal", the one that shades, on the viewer's side, both 0
+        there. Likewise "object", a place in the scene's list of objects (an instance's own for what is in it), and
+        "material", a place in `materials`: int32, -1 where nothing is hit.
 
-        Of all of the pixel's samples: "rays" that were sent and the "deepest" level, int32; "discarded", the weight of rays
-        that depth and cutoff did not let go, for red, green and blue; "margin", how far the least certain decision is from
-        the other one, in bounds of its rounding error, 16 at most: where it is above 1, rounding could not change one.
+        Of all of the pixel's samples: "rays" that were sent and the "deepest" level, int32; "discarded", the weight of
+        rays that depth and cutoff did not let go, for red, green and blue; "margin", how far the least certain decision
+        is from the other one, in bounds of its rounding error, 16 at most (docs/numerics.md). Where it is above 1,
+        rounding has changed none.
 
         The arrays share the image's memory, as `pixels`.
         """
