@@ -65,7 +65,8 @@ int feeler_image_channel(const feeler_image *image, int index, feeler_channel *c
         if (!image->channels[i] || index-- > 0)
             continue;
         const int real = image->is_double ? FEELER_FLOAT64 : FEELER_FLOAT32;
-        *channel = (feeler_channel){kind->name, kind->components, kind->whole ? FEELER_INT32 : real, image->channels[i]};
+        *channel =
+            (feeler_channel){kind->name, kind->components, kind->whole ? FEELER_INT32 : real, image->channels[i]};
         return 0;
     }
     return -1;

@@ -19,8 +19,8 @@ typedef struct format {
 } format;
 
 static const format formats[] = {
-    {".exr", true, false, true},   {".hdr", false, false, false},  {".png", true, true, false},
-    {".tif", true, true, false},   {".tiff", true, true, false},   {".jpg", false, false, false},
+    {".exr", true, false, true},    {".hdr", false, false, false}, {".png", true, true, false},
+    {".tif", true, true, false},    {".tiff", true, true, false},  {".jpg", false, false, false},
     {".jpeg", false, false, false},
 };
 

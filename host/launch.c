@@ -21,7 +21,8 @@ static int open_result(const job *j, result *r, size_t pixel, feeler_error *erro
 }
 
 int open_slot(const job *j, slot *s, feeler_error *error) {
-    const size_t colour = 4 * real_size(j), of[RESULTS] = {colour, sizeof(uint4), colour, 2 * colour, 2 * sizeof(cl_int)};
+    const size_t colour = 4 * real_size(j),
+                 of[RESULTS] = {colour, sizeof(uint4), colour, 2 * colour, 2 * sizeof(cl_int)};
     for (int i = 0; i < (j->survey.program ? RESULTS : RESULT_SURFACES); i++)
         if (open_result(j, &s->results[i], of[i], error) < 0)
             return -1;
@@ -122,8 +123,8 @@ static int items(int length, int pixels) {
     return (length + pixels - 1) / pixels;
 }
 
-int enqueue_tile(const job *j, const slot *s, cl_kernel kernel, const int pixels[2], const int group[2], cl_event *after,
-                 cl_event *event, feeler_error *error) {
+int enqueue_tile(const job *j, const slot *s, cl_kernel kernel, const int pixels[2], const int group[2],
+                 cl_event *after, cl_event *event, feeler_error *error) {
     const tile *t = &s->tile;
     const size_t local[2] = {(size_t)group[0], (size_t)group[1]};
     const size_t global[2] = {round_up(items(t->x1 - t->x0, pixels[0]), group[0]),

@@ -7,8 +7,9 @@
 
 typedef struct program {
     cl_program program;
-    cl_kernel render, find_eye_media; /* of a survey (see survey.c) `render` is its own entry point, and there is no other */
-    double seconds; /* to build; a device may compile more at the first launch */
+    cl_kernel render,
+        find_eye_media; /* of a survey (see survey.c) `render` is its own entry point, and there is no other */
+    double seconds;     /* to build; a device may compile more at the first launch */
 } program;
 
 /* Settings with every blank filled in from the scene, checked. */

@@ -81,8 +81,7 @@ static void take_tree(const job *j, const slot *s, size_t from, size_t to) {
         set_whole(image, CHANNEL_RAYS, to, (uint32_t)j->settings.samples + rays.x + rays.y + rays.z);
     }
     if (image->channels[CHANNEL_DEEPEST])
-        set_whole(image, CHANNEL_DEEPEST, to,
-                  sends_rays(j) ? (uint32_t)real_at(j, s, RESULT_UNSENT, 4 * from + 3) : 1);
+        set_whole(image, CHANNEL_DEEPEST, to, sends_rays(j) ? (uint32_t)real_at(j, s, RESULT_UNSENT, 4 * from + 3) : 1);
     for (size_t k = 0; image->channels[CHANNEL_DISCARDED] && sends_rays(j) && k < 3; k++)
         set_real(image, CHANNEL_DISCARDED, 3 * to + k, real_at(j, s, RESULT_UNSENT, 4 * from + k));
 }

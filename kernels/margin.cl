@@ -144,7 +144,8 @@ NOINLINE void weigh_below(const scene *s, decision *d, const pencil *p, uint2 fi
             const integer number = instance_number(s, here.link);
             const uint index = s->primitives[number].y;
             const uint4 roots = s->instance_roots[index];
-            if (!could_matter(d, p, splat_xyz(s->instances[index].bounds.low), splat_xyz(s->instances[index].bounds.high)))
+            if (!could_matter(d, p, splat_xyz(s->instances[index].bounds.low),
+                              splat_xyz(s->instances[index].bounds.high)))
                 continue;
             const placement at = find_placement(s, index);
             moved = move_pencil(&at, p);
@@ -227,8 +228,8 @@ real margin_of_hit(const scene *s, const pencil *p, const hit *h) {
 
 // Of a feeler that ends at `limit`: one surface that blocks it for certain is enough. A filtered one asks all of them.
 real margin_of_feeler(const scene *s, const pencil *p, real limit) {
-    decision d = {HAS_FILTERED_SHADOWS ? EACH : ANY, limit, R(0), -1, -1, 0,
-                  HAS_FILTERED_SHADOWS ? R(INFINITY) : -R(INFINITY)};
+    decision d = {
+        HAS_FILTERED_SHADOWS ? EACH : ANY, limit, R(0), -1, -1, 0, HAS_FILTERED_SHADOWS ? R(INFINITY) : -R(INFINITY)};
     return weigh_all(s, &d, p);
 }
 
@@ -279,8 +280,8 @@ doubt doubt_surface(const scene *s, const pencil *p, const hit *h, const surface
         const placement at = find_placement(s, outer.y);
         const pencil q = move_pencil(&at, p);
         const vectors ones = make_vectors(R(1), R(1), R(1));
-        const real stretch = length_of(apply(absolute_rows(at.to_world), ones)) *
-                             length_of(apply(absolute_rows(at.to_object), ones));
+        const real stretch =
+            length_of(apply(absolute_rows(at.to_world), ones)) * length_of(apply(absolute_rows(at.to_object), ones));
         const real normal = blur_of_own_normal(s, &q, s->primitives[h->inside], h->distance * at.unit) / slope;
         e.normal = at.turned ? normal * stretch : normal;
         return e;
@@ -339,9 +340,9 @@ void note_critical_angle(const scene *s, vectors v, vectors n, real eta, real ti
     } while (0)
 // What the way to a light may be off by, per unit of its length.
 #define BLUR_OF_WAY(q, l, length)                                                                                      \
-    ((l)->is_near ? length_of(add((q)->doubt.point, add(blur_of_point((q)->point), blur_of_point((l)->position)))) /   \
-                        (length)                                                                                       \
-                  : R(0))
+    ((l)->is_near                                                                                                      \
+         ? length_of(add((q)->doubt.point, add(blur_of_point((q)->point), blur_of_point((l)->position)))) / (length)   \
+         : R(0))
 #define NOTE_LIGHT(s, q, c, l, cosine, side, squared)                                                                  \
     note_light(s, cosine, side, GAMMA(8) + (q)->doubt.normal + BLUR_OF_WAY(q, l, sqrt(squared)),                       \
                is_positive(mul((c)->diffuse, (l)->diffuse)) || is_positive(mul((c)->specular, (l)->specular)),         \

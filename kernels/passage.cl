@@ -81,7 +81,8 @@ uint pass_sphere(const pencil *p, vectors centre, real radius, uint flags, passa
 real blur_across(const pencil *p, real distance, vectors point, vectors normal) {
     const vectors to = sub(point, p->ray.origin), way = scale(p->ray.direction, distance), off = sub(to, way);
     const vectors sizes = add(scale(add(absolute(to), absolute(way)), GAMMA(6)), blur_of_point(point));
-    return dot3(absolute(normal), add(blur_at(p, distance), sizes)) + GAMMA(2) * (fabs(off.x) + fabs(off.y) + fabs(off.z));
+    return dot3(absolute(normal), add(blur_at(p, distance), sizes)) +
+           GAMMA(2) * (fabs(off.x) + fabs(off.y) + fabs(off.z));
 }
 
 // What n.d may be off by.
@@ -143,7 +144,8 @@ real between_planes(const pencil *p, int axis, real distance, real error, vector
 // What the distance of a plane across the axis may be off by.
 real blur_of_slab(const pencil *p, int axis, real distance, vectors low, vectors high) {
     const real size = max(fabs(component(low, axis, 0)), fabs(component(high, axis, 0)));
-    const real bound = component(blur_at(p, distance), axis, 0) + GAMMA(4) * (size + fabs(component(p->ray.origin, axis, 0)));
+    const real bound =
+        component(blur_at(p, distance), axis, 0) + GAMMA(4) * (size + fabs(component(p->ray.origin, axis, 0)));
     return bound / fabs(component(p->ray.direction, axis, 0));
 }
 
@@ -179,8 +181,8 @@ uint pass_box(const pencil *p, vectors low, vectors high, uint flags, passage *w
     const int main = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
     real at_first = between_others(p, first, i.near, low, high), at_last = between_others(p, last, i.far, low, high);
     if (i.near > i.far) // either proves it
-        at_first = at_last = min(min(at_first, at_last), -beside_box(p, main, low, high, component(enter, main, 0),
-                                                                     component(leave, main, 0)));
+        at_first = at_last = min(min(at_first, at_last),
+                                 -beside_box(p, main, low, high, component(enter, main, 0), component(leave, main, 0)));
     uint n = 0;
     if (!(flags & FLAG_FRONT_HIDDEN))
         ways[n++] = make_passage(i.near, blur_of_slab(p, first, i.near, low, high), at_first);
@@ -220,7 +222,8 @@ real distance_to_edge(vectors a, vectors b) {
 // Edges decide, across the ray. The distance is linear there: its gradient times what the corners may be off by.
 passage pass_triangle(const pencil *p, vectors v0, vectors v1, vectors v2, uint flags) {
     vectors a = apply_shear(p->ray, v0), b = apply_shear(p->ray, v1), c = apply_shear(p->ray, v2);
-    const vectors blur = greatest_xyz(greatest_xyz(blur_of_corner(p, v0), blur_of_corner(p, v1)), blur_of_corner(p, v2));
+    const vectors blur =
+        greatest_xyz(greatest_xyz(blur_of_corner(p, v0), blur_of_corner(p, v1)), blur_of_corner(p, v2));
     const real edge = min(min(distance_to_edge(a, b), distance_to_edge(b, c)), distance_to_edge(c, a));
     const bool inside = intersect_triangle(p->ray, v0, v1, v2, 0).found;
     real there = in_bounds(inside ? edge : -edge, blur.x);
@@ -290,7 +293,8 @@ beside find_beside(const pencil *q, frustum f, real distance) {
     b.z = x.z;
     b.radius = fma(f.slope, x.z, f.radius);
     b.outside = sqrt(fma(x.x, x.x, x.y * x.y)) - fabs(b.radius);
-    b.bound = (length_of(blur_at(q, distance)) + GAMMA(4) * length_of(x)) * (R(1) + fabs(f.slope)) + GAMMA(6) * (f.radius + fabs(f.slope * x.z));
+    b.bound = (length_of(blur_at(q, distance)) + GAMMA(4) * length_of(x)) * (R(1) + fabs(f.slope)) +
+              GAMMA(6) * (f.radius + fabs(f.slope * x.z));
     return b;
 }
 
@@ -299,10 +303,12 @@ beside find_beside(const pencil *q, frustum f, real distance) {
 real meets_double_cone(const pencil *q, frustum f) {
     const vectors o = q->ray.origin, d = q->ray.direction;
     const real change = f.slope * d.z, radius = fma(f.slope, o.z, f.radius);
-    const real s = difference_of_products(radius, d.x, o.x, change), t = difference_of_products(radius, d.y, o.y, change);
+    const real s = difference_of_products(radius, d.x, o.x, change),
+               t = difference_of_products(radius, d.y, o.y, change);
     const real w = difference_of_products(o.x, d.y, o.y, d.x), wide = sqrt(fma(s, s, t * t));
     const beside here = find_beside(q, f, R(0));
-    const real of_change = fabs(f.slope) * q->direction.x + GAMMA(3) * fabs(change), speed = sqrt(fma(d.x, d.x, d.y * d.y));
+    const real of_change = fabs(f.slope) * q->direction.x + GAMMA(3) * fabs(change),
+               speed = sqrt(fma(d.x, d.x, d.y * d.y));
     const real bound = R(2) * (speed + fabs(change)) * here.bound +
                        (fabs(o.x) + fabs(o.y)) * (q->direction.x + of_change) + R(2) * fabs(radius) * q->direction.x +
                        GAMMA(8) * (wide + fabs(w));
@@ -342,8 +348,8 @@ uint pass_cone(const pencil *p, frustum f, uint flags, passage *ways) {
         const real error = here.bound / fabs(apart);
         if (flags & (apart > R(0) ? FLAG_BACK_HIDDEN : FLAG_FRONT_HIDDEN))
             continue;
-        const real of_z = q.origin.x + q.direction.x * fabs(distance) + GAMMA(4) * (fabs(o.z) + fabs(d.z * distance) + f.height) +
-                          fabs(d.z) * error;
+        const real of_z = q.origin.x + q.direction.x * fabs(distance) +
+                          GAMMA(4) * (fabs(o.z) + fabs(d.z * distance) + f.height) + fabs(d.z) * error;
         ways[sides++] = make_passage(distance, error < R(INFINITY) ? error : R(INFINITY),
                                      min(met, in_bounds(min(here.z, f.height - here.z), of_z)));
     }
@@ -399,8 +405,9 @@ uint find_passages(const scene *s, const pencil *p, uint4 primitive, passage way
 #if HAS_CONE
     case KIND_CONE: {
         const cone c = s->cones[i];
-        return pass_cone(p, make_frustum(splat_quads(c.base_radius), splat_quads(c.u_height), splat_quads(c.v_slope),
-                                         splat_quads(c.axis)),
+        return pass_cone(p,
+                         make_frustum(splat_quads(c.base_radius), splat_quads(c.u_height), splat_quads(c.v_slope),
+                                      splat_quads(c.axis)),
                          flags, ways);
     }
 #endif

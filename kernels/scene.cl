@@ -27,7 +27,8 @@ typedef struct {
     uint *counts;
 #endif
 #if MARGIN
-    private real *margin; // the least so far
+  private
+    real *margin; // the least so far
 #endif
 } scene;
 

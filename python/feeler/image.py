@@ -69,10 +69,10 @@ class Image:
     def channels(self) -> dict[str, npt.NDArray[Any]]:
         """What `render` was asked for beside the picture, by name; shapes (height, width) or (height, width, 3).
 
-        Of the ray through the pixel's centre, in the pixels' type: "depth", the distance along it, infinite where it hits
-        nothing; "position" in the scene's coordinates and "normal", the one that shades, on the viewer's side, both 0
-        there. Likewise "object", a place in the scene's list of objects (an instance's own for what is in it), and
-        "material", a place in `materials`: int32, -1 where nothing is hit.
+        Of the ray through the pixel's centre, in the pixels' type: "depth", the distance along it, infinite where it
+        hits nothing; "position" in the scene's coordinates and "normal", the one that shades, turned to the viewer,
+        both 0 there. Likewise "object", a place in the scene's list of objects (an instance's own for what is in it),
+        and "material", a place in `materials`: int32, -1 where nothing is hit.
 
         Of all of the pixel's samples: "rays" that were sent and the "deepest" level, int32; "discarded", the weight of
         rays that depth and cutoff did not let go, for red, green and blue; "margin", how far the least certain decision
