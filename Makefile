@@ -28,8 +28,8 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -l$(EMBREE) -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
-  polygon.cl cone.cl count.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl optics.cl media.cl phong.cl camera.cl trace.cl \
-  pixel.cl render.cl)
+  polygon.cl cone.cl count.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl passage.cl margin.cl optics.cl media.cl phong.cl camera.cl trace.cl \
+  pixel.cl render.cl survey.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))
@@ -44,7 +44,7 @@ $(BUILD)/libfeeler.so: $(LIB_OBJECTS)
 	$(CC) -shared -pthread $(LDFLAGS) -Wl,-z,nodelete -o $@ $^ $(LDLIBS)
 
 # What writes files, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
-$(BUILD)/libfeeler-image.so: $(BUILD)/image_io.o $(BUILD)/error.o
+$(BUILD)/libfeeler-image.so: $(BUILD)/image_io.o $(BUILD)/channels.o $(BUILD)/error.o
 	$(CXX) -shared -pthread $(LDFLAGS) -o $@ $^ -lOpenImageIO -lOpenImageIO_Util
 
 # The program uses internal headers' functions never: only what the library exports.

@@ -10,7 +10,7 @@
 typedef struct job {
     feeler_settings settings;
     feeler_save_options save;
-    const char *out, *stats, *select;
+    const char *out, *stats, *select, *channels;
     bool alpha, quiet;
     feeler_device *device; /* opened when the first scene is ready for it */
     bool hopeless;         /* what went wrong would go wrong for every scene */
@@ -19,7 +19,17 @@ typedef struct job {
 static const char render_notes[] =
     "OUT's ending tells the format: .exr and .hdr keep linear floating point values, .png and .tif 8 or 16 bits\n"
     "and .jpg 8 bits in sRGB. With several scenes OUT (and FILE) must contain {name}, which stands for the scene's\n"
-    "file name without folder and ending. Ctrl-C saves what is done as OUT with .partial before its ending.";
+    "file name without folder and ending. Channels beside the picture: depth, position, normal, object, material,\n"
+    "rays, deepest, discarded, margin. Ctrl-C saves what is done as OUT with .partial before its ending.";
+
+static int parse_channels(job *j) {
+    feeler_error error = {0};
+    j->settings.channels = feeler_channels_parse(j->channels, &error);
+    j->save.channels = 1;
+    if (j->settings.channels < 0)
+        report_usage("render", "--channels: %s", error.text);
+    return j->settings.channels;
+}
 
 static options_result parse(job *j, int argc, char **argv, int *scene_count) {
     feeler_settings *s = &j->settings;
@@ -36,6 +46,8 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
         {"region", 0, OPTION_REGION, s->region, "X0,Y0,X1,Y1", "all", "render only these pixels, half open", 0, 0},
         {"alpha", 0, OPTION_FLAG, &j->alpha, NULL, NULL, "leave the background transparent", 0, 0},
         {"bits", 0, OPTION_CHOICE, &j->save.sixteen_bit, "8|16", "8", "of .png and .tif", 0, 0},
+        {"channels", 0, OPTION_TEXT, &j->channels, "NAME,…", NULL, "also write these into .exr, or 'all' of them", 0,
+         0},
         {"device", 0, OPTION_TEXT, &j->select, "SELECT", "the first CPU",
          "number or part of a name, see 'feeler devices'", 0, 0},
         {"work-group", 0, OPTION_SIZE, s->work_group, "XxY", "chosen", "work-items of a work-group", 1, 65536},
@@ -52,6 +64,8 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
     if (result != OPTIONS_GO)
         return result;
     s->transparent = j->save.alpha = j->alpha;
+    if (j->channels && parse_channels(j) < 0)
+        return OPTIONS_WRONG;
     if (j->out)
         return OPTIONS_GO;
     report_usage("render", "--out is missing: name the picture to write, such as -o picture.png");

@@ -84,6 +84,22 @@ FEELER_API const char *feeler_scene_warning(const feeler_scene *scene, int index
 
 enum { FEELER_DRAFT, FEELER_STANDARD, FEELER_REFERENCE };
 
+/* What may be had beside the picture, see docs/command-line.md: each is a bit. */
+enum {
+    FEELER_DEPTH = 1,
+    FEELER_POSITION = 2,
+    FEELER_NORMAL = 4,
+    FEELER_OBJECT = 8,
+    FEELER_MATERIAL = 16,
+    FEELER_RAYS = 32,
+    FEELER_DEEPEST = 64,
+    FEELER_DISCARDED = 128,
+    FEELER_MARGIN = 256
+};
+
+/* The bits of names with commas between them, or of "all"; -1 if there is an unknown one. */
+FEELER_API int feeler_channels_parse(const char *names, feeler_error *error);
+
 /* What a caller may set over the scene's own values. Start from feeler_settings_default. */
 typedef struct feeler_settings {
     int width, height; /* pixels; 0: the scene's */
@@ -102,6 +118,7 @@ typedef struct feeler_settings {
     int tile;        /* pixels per launch; 0: adapted so that a launch takes a fraction of a second */
     int general;     /* 1: compile everything, not only what the scene needs (for tests) */
     int brute_force; /* 1: no tree (for tests) */
+    int channels;    /* beside the picture: FEELER_DEPTH and the next, added */
 } feeler_settings;
 
 FEELER_API void feeler_settings_default(feeler_settings *settings);
@@ -145,15 +162,30 @@ FEELER_API int feeler_image_height(const feeler_image *image);
  * the image. */
 FEELER_API const void *feeler_image_pixels(const feeler_image *image);
 FEELER_API int feeler_image_is_double(const feeler_image *image);
+enum { FEELER_FLOAT32, FEELER_FLOAT64, FEELER_INT32 };
+
+/* What was asked for beside the picture, row major from the top left, `components` numbers a pixel. */
+typedef struct feeler_channel {
+    const char *name; /* static */
+    int components, type;
+    const void *values; /* owned by the image */
+} feeler_channel;
+
+/* Fills in the channel at `index` (0 …); 0, or -1 past the last. */
+FEELER_API int feeler_image_channel(const feeler_image *image, int index, feeler_channel *channel);
+/* The name of the material with this id, "" if it has none; NULL past the last. Owned by the image, and there only if the
+ * channel is. */
+FEELER_API const char *feeler_image_material(const feeler_image *image, int id);
 /* Statistics as JSON text (see docs/command-line.md); owned by the image. */
 FEELER_API const char *feeler_image_stats_json(feeler_image *image, feeler_error *error);
 
-/* Writes by the ending: .exr .hdr (linear float), .png .tif .tiff (8 bit sRGB; 16 with sixteen_bit), .jpg. Written beside
+/* Writes by the ending: .exr .hdr (linear float; .exr with the channels beside the picture), .png .tif .tiff (8 bit sRGB; 16 with sixteen_bit), .jpg. Written beside
  * its final name and renamed when whole. `alpha`: 0 RGB, 1 RGBA (an error for .jpg and .hdr). */
 typedef struct feeler_save_options {
     int alpha;
     int sixteen_bit;
-    int partial; /* 1: the metadata says that the render was interrupted */
+    int partial;  /* 1: the metadata says that the render was interrupted */
+    int channels; /* 1: an error where the format keeps no channels beside the picture; .exr always does */
 } feeler_save_options;
 
 FEELER_API int feeler_image_save(feeler_image *image, const char *path, const feeler_save_options *options,

@@ -12,6 +12,7 @@ void feeler_image_free(feeler_image *image) {
     if (!image)
         return;
     free(image->pixels);
+    channels_close(image);
     free(image->scene_name);
     free(image->options);
     free(image->stats_json);

@@ -2,7 +2,7 @@
 #ifndef FEELER_IMAGE_H
 #define FEELER_IMAGE_H
 
-#include "feeler.h"
+#include "channels.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -30,6 +30,9 @@ struct feeler_image {
     bool is_double;
     void *pixels; /* owned; width x height x 4 float or double, linear RGBA */
     bool transparent;
+    void *channels[CHANNELS]; /* owned; NULL: not asked for */
+    char **materials;         /* owned, and their names; only beside the channel */
+    size_t material_count;
     char *scene_name; /* owned */
     char *options;    /* the kernels' build options; owned */
     render_stats stats;

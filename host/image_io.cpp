@@ -7,6 +7,7 @@ extern "C" {
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <fstream>
 #include <memory>
@@ -141,6 +142,14 @@ std::string describe_seconds(const render_stats &s) {
            number(s.trace);
 }
 
+// "0 glass, 1 brass": the names of the ids in the channel, those written in place having none.
+std::string describe_materials(const feeler_image &image) {
+    std::string text;
+    for (size_t i = 0; i < image.material_count; i++)
+        text += (i ? ", " : "") + std::to_string(i) + " " + image.materials[i];
+    return text;
+}
+
 struct note {
     std::string key, text;
 };
@@ -154,6 +163,8 @@ std::vector<note> notes_of(const feeler_image &image, const feeler_save_options 
         {"rays", describe_rays(image.stats)},
         {"seconds", describe_seconds(image.stats)},
     };
+    if (image.material_count > 0)
+        notes.push_back({"materials", describe_materials(image)});
     if (options.partial)
         notes.push_back({"interrupted", "the render was interrupted: only a part of the picture is there"});
     return notes;
@@ -168,6 +179,43 @@ void add_metadata(OIIO::ImageSpec &spec, const std::vector<note> &notes) {
     }
     spec.attribute("ImageDescription", all);
     spec.attribute("Software", std::string("feeler ") + feeler_version());
+}
+
+// A layer beside the picture: one component of a channel.
+struct layer {
+    int channel, component;
+};
+
+std::vector<layer> layers_of(const feeler_image &image) {
+    std::vector<layer> layers;
+    for (int c = 0; c < CHANNELS; c++)
+        for (int i = 0; image.channels[c] && i < channel_kinds[c].components; i++)
+            layers.push_back({c, i});
+    return layers;
+}
+
+// The four bytes that the file has of a pixel: a float, or a whole number; the -1 of what is not there has all bits set.
+uint32_t layer_bits(const feeler_image &image, const layer &l, size_t pixel) {
+    const channel_kind &kind = channel_kinds[l.channel];
+    const size_t at = pixel * size_t(kind.components) + size_t(l.component);
+    if (kind.whole)
+        return static_cast<const uint32_t *>(image.channels[l.channel])[at];
+    const float number = image.is_double ? float(static_cast<const double *>(image.channels[l.channel])[at])
+                                         : static_cast<const float *>(image.channels[l.channel])[at];
+    uint32_t bits;
+    std::memcpy(&bits, &number, sizeof bits);
+    return bits;
+}
+
+// After the picture's own, which are floats.
+void add_layers(OIIO::ImageSpec &spec, const std::vector<layer> &layers) {
+    spec.channelformats.assign(size_t(spec.nchannels), OIIO::TypeDesc::FLOAT);
+    for (const layer &l : layers) {
+        const channel_kind &kind = channel_kinds[l.channel];
+        spec.channelnames.push_back(kind.layer[l.component]);
+        spec.channelformats.push_back(kind.whole ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT);
+    }
+    spec.nchannels += int(layers.size());
 }
 
 OIIO::ImageSpec describe_file(const feeler_image &image, kind what, const feeler_save_options &options) {
@@ -192,6 +240,19 @@ OIIO::ImageSpec describe_file(const feeler_image &image, kind what, const feeler
     }
     spec.attribute("oiio:ColorSpace", is_linear(what) ? "Linear" : "sRGB");
     return spec;
+}
+
+// The picture and its layers, four bytes each, pixel after pixel.
+bool write_layers(OIIO::ImageOutput &out, const feeler_image &image, int channels, const std::vector<layer> &layers) {
+    const size_t count = size_t(image.width) * size_t(image.height), own = size_t(channels), all = own + layers.size();
+    const std::vector<float> colours = linear_values(image, channels);
+    std::vector<uint32_t> values(count * all);
+    for (size_t i = 0; i < count; i++) {
+        std::memcpy(&values[i * all], &colours[i * own], own * sizeof(float));
+        for (size_t k = 0; k < layers.size(); k++)
+            values[i * all + own + k] = layer_bits(image, layers[k], i);
+    }
+    return out.write_image(OIIO::TypeDesc::UNKNOWN, values.data());
 }
 
 bool write_pixels(OIIO::ImageOutput &out, const feeler_image &image, int channels, kind what, bool sixteen_bit) {
@@ -244,9 +305,14 @@ int write(const feeler_image &image, const char *path, const char *format_name, 
     OIIO::ImageSpec spec = describe_file(image, target.what, options);
     std::vector<note> notes = notes_of(image, options);
     add_metadata(spec, notes);
+    const int channels = spec.nchannels;
+    const std::vector<layer> layers = target.what == kind::exr ? layers_of(image) : std::vector<layer>();
+    if (!layers.empty())
+        add_layers(spec, layers);
 
-    bool done =
-        out->open(path, spec) && write_pixels(*out, image, spec.nchannels, target.what, options.sixteen_bit != 0);
+    bool done = out->open(path, spec) &&
+                (layers.empty() ? write_pixels(*out, image, channels, target.what, options.sixteen_bit != 0)
+                                : write_layers(*out, image, channels, layers));
     std::string why = done ? "" : out->geterror();
     // Closing writes what is still buffered, so it can fail where writing did not.
     if (!out->close() && done) {

@@ -15,11 +15,13 @@ typedef struct format {
     const char *ending;
     bool alpha;       /* can keep it */
     bool sixteen_bit; /* has the choice of 8 or 16 bits */
+    bool channels;    /* keeps those beside the picture */
 } format;
 
 static const format formats[] = {
-    {".exr", true, false}, {".hdr", false, false}, {".png", true, true},    {".tif", true, true},
-    {".tiff", true, true}, {".jpg", false, false}, {".jpeg", false, false},
+    {".exr", true, false, true},    {".hdr", false, false, false}, {".png", true, true, false},
+    {".tif", true, true, false},    {".tiff", true, true, false},  {".jpg", false, false, false},
+    {".jpeg", false, false, false},
 };
 
 static const format *find_format(const char *path) {
@@ -44,6 +46,9 @@ static int check_format(const char *path, const feeler_save_options *options, fe
     }
     if (options->alpha && !f->alpha)
         return fail(error, FEELER_BAD_USAGE, "%s: %s files keep no alpha; use .exr, .png or .tif", path, f->ending);
+    if (options->channels && !f->channels)
+        return fail(error, FEELER_BAD_USAGE, "%s: %s files keep no channels beside the picture; use .exr", path,
+                    f->ending);
     if (options->sixteen_bit && !f->sixteen_bit)
         return fail(error, FEELER_BAD_USAGE, "%s: 16 bits are for .png and .tif; %s", path,
                     f->ending[1] == 'j' ? "JPEG has 8" : "this format is always floating point");

@@ -7,8 +7,8 @@
 #include "upload.h"
 #include "work_group.h"
 
-/* What a launch writes for each pixel: see render_pixels in render.cl. */
-enum { RESULT_PIXELS, RESULT_RAYS, RESULT_UNSENT, RESULTS };
+/* What a launch writes for each pixel: see render_pixels in render.cl; and where there is a survey, survey.cl. */
+enum { RESULT_PIXELS, RESULT_RAYS, RESULT_UNSENT, RESULT_SURFACES, RESULT_IDS, RESULTS };
 
 typedef struct result {
     cl_mem buffer;
@@ -19,7 +19,7 @@ typedef struct result {
 /* A launch's results. Two take turns, so that the device never waits for the host. */
 typedef struct slot {
     result results[RESULTS];
-    cl_event launched, read;
+    cl_event launched, surveyed, read;
     tile tile;
     double start;
 } slot;
@@ -32,6 +32,8 @@ typedef struct job {
     upload upload;
     char *options; /* that the program is built with; owned until the image takes it */
     program program;
+    program survey; /* nothing unless a channel needs it */
+    int survey_group[2];
     slot slots[2];
     size_t slot_pixels; /* room in a slot */
     int group[2];
@@ -51,13 +53,29 @@ size_t tile_pixels(const tile *tile);
 /* Whether rays are sent on at all: else no weight is unsent and the deepest level is 1. */
 bool sends_rays(const job *job);
 
+/* survey.c: what lies beside the picture. All return 0, or -1 with the error filled. */
+/* Room in the image for the channels that are asked for. */
+int open_channels(job *job, const feeler_scene *scene, feeler_error *error);
+/* Builds what the channels need beyond a render, if anything. */
+int open_survey(job *job, feeler_error *error);
+/* Launches a tile's survey, after its render. */
+int start_survey(const job *job, slot *slot, feeler_error *error);
+/* Takes a finished tile's channels into the image. */
+void take_channels(job *job, const slot *slot);
+
 /* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */
 int open_slot(const job *job, slot *slot, feeler_error *error);
 void close_slot(slot *slot);
+void release_events(slot *slot);
 /* Finds the media that the eye is in, which takes a kernel to be compiled; waits for it. */
 int find_eye_media(const job *job, feeler_error *error);
 /* The eye is in none. */
 int clear_eye_media(const job *job, feeler_error *error);
+/* Sets the arguments of an entry point that computes a tile, its results being those from `first` to before `end`. */
+int bind_frame(const job *job, const slot *slot, cl_kernel kernel, int first, int end, feeler_error *error);
+/* Launches a work-item for each block of `pixels` of the slot's tile, after an event or NULL. */
+int enqueue_tile(const job *job, const slot *slot, cl_kernel kernel, const int pixels[2], const int group[2],
+                 cl_event *after, cl_event *event, feeler_error *error);
 /* Launches a tile and asks for its results; waits for nothing. */
 int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
 /* How long the launch ran on the device after the one before it had ended; negative where the queue does not tell. To be

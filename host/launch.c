@@ -21,8 +21,9 @@ static int open_result(const job *j, result *r, size_t pixel, feeler_error *erro
 }
 
 int open_slot(const job *j, slot *s, feeler_error *error) {
-    const size_t colour = 4 * real_size(j), of[RESULTS] = {colour, sizeof(uint4), colour};
-    for (int i = 0; i < RESULTS; i++)
+    const size_t colour = 4 * real_size(j),
+                 of[RESULTS] = {colour, sizeof(uint4), colour, 2 * colour, 2 * sizeof(cl_int)};
+    for (int i = 0; i < (j->survey.program ? RESULTS : RESULT_SURFACES); i++)
         if (open_result(j, &s->results[i], of[i], error) < 0)
             return -1;
     return 0;
@@ -34,9 +35,14 @@ static void release_event(cl_event *event) {
     *event = NULL;
 }
 
-void close_slot(slot *s) {
+void release_events(slot *s) {
     release_event(&s->launched);
+    release_event(&s->surveyed);
     release_event(&s->read);
+}
+
+void close_slot(slot *s) {
+    release_events(s);
     for (int i = 0; i < RESULTS; i++) {
         if (s->results[i].buffer)
             clReleaseMemObject(s->results[i].buffer);
@@ -89,14 +95,13 @@ int find_eye_media(const job *j, feeler_error *error) {
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
 }
 
-static int bind_render(const job *j, const slot *s, feeler_error *error) {
+int bind_frame(const job *j, const slot *s, cl_kernel kernel, int first, int end, feeler_error *error) {
     cl_int status = CL_SUCCESS;
-    cl_kernel kernel = j->program.render;
     const launch frame = make_launch(j, &s->tile);
     cl_uint i = bind_scene(kernel, &j->upload, &status);
     status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &j->upload.eye_media);
     status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
-    for (int k = 0; k < RESULTS; k++)
+    for (int k = first; k < end; k++)
         status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->results[k].buffer);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
 }
@@ -118,15 +123,36 @@ static int items(int length, int pixels) {
     return (length + pixels - 1) / pixels;
 }
 
+int enqueue_tile(const job *j, const slot *s, cl_kernel kernel, const int pixels[2], const int group[2],
+                 cl_event *after, cl_event *event, feeler_error *error) {
+    const tile *t = &s->tile;
+    const size_t local[2] = {(size_t)group[0], (size_t)group[1]};
+    const size_t global[2] = {round_up(items(t->x1 - t->x0, pixels[0]), group[0]),
+                              round_up(items(t->y1 - t->y0, pixels[1]), group[1])};
+    cl_int status =
+        clEnqueueNDRangeKernel(j->device->queue, kernel, 2, NULL, global, local, after ? 1 : 0, after, event);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
+}
+
+static bool has_result(const job *j, int result) {
+    return result < RESULT_UNSENT || (result == RESULT_UNSENT ? sends_rays(j) : j->survey.program != NULL);
+}
+
+static cl_event *last_launched(slot *s) {
+    return s->surveyed ? &s->surveyed : &s->launched;
+}
+
 /* One after another, whatever order the queue keeps: the last one's event tells that all are there. */
 static int read_results(const job *j, slot *s, feeler_error *error) {
     cl_int status = CL_SUCCESS;
-    for (int i = 0; i < (sends_rays(j) ? RESULTS : RESULT_UNSENT) && status == CL_SUCCESS; i++) {
+    for (int i = 0; i < RESULTS && status == CL_SUCCESS; i++) {
         const result *r = &s->results[i];
+        if (!has_result(j, i))
+            continue;
         cl_event before = s->read;
         s->read = NULL;
         status = clEnqueueReadBuffer(j->device->queue, r->buffer, CL_FALSE, 0, tile_pixels(&s->tile) * r->pixel,
-                                     r->host, 1, before ? &before : &s->launched, &s->read);
+                                     r->host, 1, before ? &before : last_launched(s), &s->read);
         release_event(&before);
     }
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueReadBuffer", status);
@@ -136,25 +162,21 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
     cl_command_queue queue = j->device->queue;
     s->tile = *t;
     s->start = seconds_now();
-    if (bind_render(j, s, error) < 0)
+    cl_kernel render = j->program.render;
+    if (bind_frame(j, s, render, RESULT_PIXELS, RESULT_SURFACES, error) < 0 ||
+        enqueue_tile(j, s, render, j->settings.pixels, j->group, NULL, &s->launched, error) < 0)
         return -1;
-    const size_t local[2] = {(size_t)j->group[0], (size_t)j->group[1]};
-    const int *pixels = j->settings.pixels;
-    const size_t global[2] = {round_up(items(t->x1 - t->x0, pixels[0]), j->group[0]),
-                              round_up(items(t->y1 - t->y0, pixels[1]), j->group[1])};
-    cl_int status = clEnqueueNDRangeKernel(queue, j->program.render, 2, NULL, global, local, 0, NULL, &s->launched);
-    if (status != CL_SUCCESS)
-        return fail_cl(error, "clEnqueueNDRangeKernel", status);
-    if (read_results(j, s, error) < 0)
+    if ((j->survey.program && start_survey(j, s, error) < 0) || read_results(j, s, error) < 0)
         return -1;
-    status = clFlush(queue);
+    cl_int status = clFlush(queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clFlush", status);
 }
 
 double launch_seconds(job *j, const slot *s) {
     cl_ulong start, end;
     if (clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
-        clGetEventProfilingInfo(s->launched, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS)
+        clGetEventProfilingInfo(s->surveyed ? s->surveyed : s->launched, CL_PROFILING_COMMAND_END, sizeof end, &end,
+                                NULL) != CL_SUCCESS)
         return -1;
     if (start < j->launch_end)
         start = j->launch_end;

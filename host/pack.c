@@ -321,12 +321,29 @@ static int pack_lights(packed *p, const feeler_scene *scene, feeler_error *error
     return 0;
 }
 
+int packed_object_number(const packed *p, uint32_t primitive) {
+    size_t low = 0, high = p->object_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        *(p->objects[middle].first <= primitive ? &low : &high) = middle;
+    }
+    return p->objects[low].number;
+}
+
+static int reserve_objects(packed *p, const feeler_scene *scene, feeler_error *error) {
+    p->objects = malloc((scene->object_count + 1) * sizeof *p->objects);
+    return p->objects ? 0 : fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the objects' numbers");
+}
+
 static int pack_objects(packed *p, const feeler_scene *scene, feeler_error *error) {
     for (size_t i = 0; i < scene->object_count; i++) {
         const scene_object *object = &scene->objects[i];
         bool transmits = object->material >= 0 && !is_black(scene->materials[object->material].transmission);
         if (object->shape == SHAPE_INSTANCE && scene->groups[object->instance.group].object_count == 0)
             continue; /* all of it was degenerate */
+        if (p->objects)
+            p->objects[p->object_count++] =
+                (packed_object){(uint32_t)p->arrays[ARRAY_PRIMITIVES].count, object->number};
         if (pack_object(p, object, transmits, error) < 0)
             return -1;
     }
@@ -346,6 +363,8 @@ int pack_scene(packed *p, const feeler_scene *scene, const feeler_settings *sett
     int status = pack_materials(p, scene, error);
     if (status == 0)
         status = pack_lights(p, scene, error);
+    if (status == 0 && settings->channels & FEELER_OBJECT)
+        status = reserve_objects(p, scene, error);
     status = status == 0 ? pack_objects(p, scene, error) : -1;
     if (status == 0)
         status = pack_groups(p, scene, error);
@@ -362,5 +381,7 @@ void packed_free(packed *p) {
         p->arrays[i].data = NULL;
     }
     free(p->groups);
+    free(p->objects);
     p->groups = NULL;
+    p->objects = NULL;
 }

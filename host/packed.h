@@ -89,6 +89,12 @@ typedef struct packed_group {
     uint32_t root, end; /* its root's node and the next, or without a tree its links */
 } packed_group;
 
+/* An object's first primitive, and its number in the scene. */
+typedef struct packed_object {
+    uint32_t first;
+    int number;
+} packed_object;
+
 typedef struct packed {
     array arrays[ARRAY_COUNT];
     bool is_double;
@@ -97,6 +103,8 @@ typedef struct packed {
     size_t own;   /* primitives that are not a group's */
     packed_group *groups;
     size_t group_count;
+    packed_object *objects; /* in the order of their primitives, if the settings ask for the channel */
+    size_t object_count;
     size_t own_blocks, planes; /* blocks of the scene's own primitives; the numbers of its planes come after theirs */
     size_t blocks;
     double tree_seconds;
@@ -106,6 +114,8 @@ typedef struct packed {
 int pack_scene(packed *packed, const feeler_scene *scene, const feeler_settings *settings, needs needs,
                feeler_error *error);
 void packed_free(packed *packed);
+/* The number of the object whose primitive this is. */
+int packed_object_number(const packed *packed, uint32_t primitive);
 
 bool is_black(vec3 colour);
 

@@ -157,7 +157,9 @@ static cl_program find_kept(const feeler_device *device, const char *options) {
     return NULL;
 }
 
-int program_build(program *p, feeler_device *device, const char *options, feeler_error *error) {
+/* `second` may be NULL. */
+static int build_kernels(program *p, feeler_device *device, const char *options, const char *first, const char *second,
+                         feeler_error *error) {
     double start = seconds_now();
     cl_int status;
     memset(p, 0, sizeof *p);
@@ -168,9 +170,9 @@ int program_build(program *p, feeler_device *device, const char *options, feeler
             return -1;
         keep(device, options, p->program);
     }
-    p->render = clCreateKernel(p->program, "render", &status);
-    if (status == CL_SUCCESS)
-        p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
+    p->render = clCreateKernel(p->program, first, &status);
+    if (status == CL_SUCCESS && second)
+        p->find_eye_media = clCreateKernel(p->program, second, &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateKernel", status);
         program_free(p);
@@ -178,6 +180,14 @@ int program_build(program *p, feeler_device *device, const char *options, feeler
     }
     p->seconds = seconds_now() - start;
     return 0;
+}
+
+int program_build(program *p, feeler_device *device, const char *options, feeler_error *error) {
+    return build_kernels(p, device, options, "render", "find_eye_media", error);
+}
+
+int program_build_survey(program *p, feeler_device *device, const char *options, feeler_error *error) {
+    return build_kernels(p, device, options, "survey", NULL, error);
 }
 
 void program_free(program *p) {

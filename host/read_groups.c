@@ -169,7 +169,7 @@ int make_instance(feeler_scene *scene, size_t index, const matrix *m, feeler_err
     }
     *inner = *object;
     *group = (scene_group){.objects = inner, .object_count = 1};
-    *object = (scene_object){.shape = SHAPE_INSTANCE, .material = -1, .place = inner->place};
+    *object = (scene_object){.shape = SHAPE_INSTANCE, .material = -1, .number = inner->number, .place = inner->place};
     object->instance.group = (int)scene->group_count - 1;
     object->instance.matrix = *m;
     return 0;

@@ -241,6 +241,17 @@ static int read_list(reader *reader, const feeler_node *node, const char *of,
     return 0;
 }
 
+/* All that one object means has its number: a mesh file may mean several, and so may an instance. */
+static int read_numbered_object(reader *reader, const feeler_node *node) {
+    size_t first = reader->scene->object_count;
+    if (read_object(reader, node) != 0)
+        return -1;
+    for (size_t i = first; i < reader->scene->object_count; i++)
+        reader->scene->objects[i].number = reader->object_count;
+    reader->object_count++;
+    return 0;
+}
+
 static int read_parts(loader *loader) {
     reader *reader = &loader->reader;
     for (const document *at = loader->documents; at; at = at->next)
@@ -255,7 +266,7 @@ static int read_parts(loader *loader) {
         if ((nodes[SCENE_CAMERA] && read_camera(reader, nodes[SCENE_CAMERA]) != 0) ||
             (nodes[SCENE_IMAGE] && read_image(reader, nodes[SCENE_IMAGE]) != 0) ||
             (nodes[SCENE_LIGHTS] && read_list(reader, nodes[SCENE_LIGHTS], "lights", read_light) != 0) ||
-            (nodes[SCENE_OBJECTS] && read_list(reader, nodes[SCENE_OBJECTS], "objects", read_object) != 0))
+            (nodes[SCENE_OBJECTS] && read_list(reader, nodes[SCENE_OBJECTS], "objects", read_numbered_object) != 0))
             return -1;
     }
     return read_groups(reader);

@@ -107,11 +107,10 @@ static int finish_tile(job *j, slot *s, bool first, feeler_error *error) {
     add_rays(j, s, count);
     if (sends_rays(j))
         add_unsent(j, s, count);
+    take_channels(j, s);
     adapt_budget(j, known, count);
     j->done += count;
-    clReleaseEvent(s->read);
-    clReleaseEvent(s->launched);
-    s->read = s->launched = NULL;
+    release_events(s);
     return 0;
 }
 
@@ -171,6 +170,8 @@ static int prepare(job *j, const feeler_scene *scene, feeler_progress progress, 
     if (program_build(&j->program, j->device, j->options, error) < 0 ||
         choose_work_group(j->device, &j->program, s, j->needs, j->options, j->group, &j->group_from, error) < 0)
         return -1;
+    if (open_survey(j, error) < 0)
+        return -1;
     j->slot_pixels = slot_room(j);
     for (int i = 0; i < 2; i++)
         if (open_slot(j, &j->slots[i], error) < 0)
@@ -193,7 +194,7 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     j->options = NULL;
     stats->load = scene->load_seconds;
     stats->tree = j->packed.tree_seconds;
-    stats->compile += j->program.seconds;
+    stats->compile += j->program.seconds + j->survey.seconds;
     stats->total = stats->load + seconds_now() - start;
     stats->discarded_max = fmax(j->discarded[0], fmax(j->discarded[1], j->discarded[2]));
     stats->discarded_mean = j->done ? j->discarded_sum / (double)j->done : 0;
@@ -223,7 +224,7 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
     if (status == 0)
         status = prepare(&j, scene, progress, user, error);
     if (status == 0)
-        status = (j.image = new_image(&j, scene, error)) ? 0 : -1;
+        status = (j.image = new_image(&j, scene, error)) ? open_channels(&j, scene, error) : -1;
     if (status == 0)
         status = run_tiles(&j, progress, user, error);
     if (status == 0)
@@ -238,6 +239,7 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
         close_slot(&j.slots[i]);
     free(j.options);
     program_free(&j.program);
+    program_free(&j.survey);
     upload_free(&j.upload);
     packed_free(&j.packed);
     return j.image;

@@ -45,6 +45,7 @@ scene_object *scene_add_object(feeler_scene *scene, feeler_error *error) {
     scene->objects = items;
     scene_object *object = &items[scene->object_count++];
     memset(object, 0, sizeof *object);
+    object->number = (int)scene->object_count - 1;
     return object;
 }
 

@@ -80,6 +80,7 @@ typedef struct scene_object {
     shape shape;
     int sides;
     int material; /* index into the scene's materials; of an instance -1: those inside keep their own */
+    int number;   /* of the file's object that this is, or is a part of */
     place place;
     union {
         struct {

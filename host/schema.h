@@ -114,7 +114,8 @@ typedef struct reader {
     name_table groups;
     struct group_entry *entries; /* by the index of the name */
     size_t entry_count, entry_capacity;
-    int depth; /* groups that are being read */
+    int depth;        /* groups that are being read */
+    int object_count; /* of the scene's lists that have been read */
 } reader;
 
 /* ---- schema.c: tables against nodes ---- */

@@ -1,10 +1,48 @@
 /* settings.c - what a caller asks for, checked and completed by the scene's own values. */
+#include "channels.h"
 #include "program.h"
+#include "schema.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 void feeler_settings_default(feeler_settings *settings) {
     *settings = (feeler_settings){.jitter = -1, .cutoff = -1, .level = FEELER_STANDARD};
+}
+
+/* The bit of a name, or 0. */
+static int channel_bit(const char *name, size_t length) {
+    for (int i = 0; i < CHANNELS; i++)
+        if (strlen(channel_kinds[i].name) == length && strncmp(channel_kinds[i].name, name, length) == 0)
+            return 1 << i;
+    return length == 3 && strncmp(name, "all", 3) == 0 ? FEELER_ALL_CHANNELS : 0;
+}
+
+static int fail_channel(const char *name, size_t length, feeler_error *error) {
+    char hint[SUGGESTION_SIZE], text[SHOWN_SIZE], *copy = strndup(name, length);
+    if (!copy)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
+    suggestion nearest = suggest_for(copy);
+    for (int i = 0; i < CHANNELS; i++)
+        suggest_candidate(&nearest, channel_kinds[i].name);
+    fail(error, FEELER_BAD_USAGE, "unknown channel '%s'%s", shown(copy, text), suggest_text(&nearest, hint));
+    free(copy);
+    return -1;
+}
+
+int feeler_channels_parse(const char *names, feeler_error *error) {
+    int bits = 0;
+    for (const char *at = names;; at++) {
+        const size_t length = strcspn(at, ",");
+        const int bit = channel_bit(at, length);
+        if (!bit)
+            return fail_channel(at, length, error);
+        bits |= bit;
+        at += length;
+        if (!*at)
+            return bits;
+    }
 }
 
 static int check_size(const feeler_settings *s, feeler_error *error) {
@@ -46,6 +84,8 @@ static int check_settings(const feeler_settings *s, feeler_error *error) {
     if (s->pixels[0] < 1 || s->pixels[1] < 1 || pixels > s->lanes || s->lanes % (int)pixels)
         return fail(error, FEELER_BAD_USAGE, "%d x %d pixels for %d lanes: powers of two, together at most as many",
                     s->pixels[0], s->pixels[1], s->lanes);
+    if (s->channels & ~FEELER_ALL_CHANNELS)
+        return fail(error, FEELER_BAD_USAGE, "there is no channel of bit %d", s->channels & ~FEELER_ALL_CHANNELS);
     if (s->tile < 0)
         return fail(error, FEELER_BAD_USAGE, "a tile of %d pixels", s->tile);
     return 0;

@@ -69,6 +69,12 @@
 #ifndef HAS_TREE /* 0: every primitive is tried */
 #define HAS_TREE 1
 #endif
+#ifndef SURVEY /* 1: what lies beside the picture, instead of it */
+#define SURVEY 0
+#endif
+#ifndef MARGIN /* 1: of it, the margin too */
+#define MARGIN 0
+#endif
 #ifndef STACK /* rays that may wait: the greatest depth, or more */
 #define STACK 16
 #endif

@@ -4,6 +4,10 @@
 typedef struct {
     vectors point, error, normal, shading, v, r;
     refraction t;
+#if MARGIN
+    hit source; // the surface
+    doubt doubt;
+#endif
 } shade_point;
 
 // The material's coefficients at each lane.
@@ -103,6 +107,7 @@ INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps
     const vectors direction = scale(segment, splat(1) / length);
     const reals limit = l->is_near ? length * FEELER_SHORT : splat(INFINITY);
     active &= length > splat(0);
+    NOTE_FEELER(s, p, l, active, origin, direction, length, limit);
 #if HAS_FILTERED_SHADOWS
     v.share = filter_feeler(s, origin, direction, limit, active);
 #else
@@ -125,6 +130,7 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
     const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
+    NOTE_LIGHT(s, p, c, l, cosine, side, squared);
     const ints front = active & (cosine > splat(0)) & (side > splat(0));
     ints sends = mask(false);
     vectors diffuse = where(sends, l->diffuse), specular = diffuse;

@@ -22,6 +22,11 @@ INLINE packet make_packet(global const view *camera, global const int *eye_media
     p.origin = splat_xyz(camera->eye);
     p.weight = splat_xyz((real4)(1));
     p.depth = 1;
+#if MARGIN
+    p.source = no_hit(splat(0));
+    p.blur = blur_of_point(p.origin);
+    p.slant = BLUR_OF_DIRECTION;
+#endif
     p.active = AS_MASK((at.sample < frame->frame.z) & (at.x < frame->tile.z) & (at.y < frame->tile.w));
 #if HAS_TRANSMISSION
     for (int i = 0; i < MEDIA; i++)
@@ -82,6 +87,7 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
     }
 }
 
+#if !SURVEY
 // One pixel per work-item, or PIXELS.
 kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, global const view *views,
                                                          global const int *eye_media, const launch frame,
@@ -129,3 +135,4 @@ kernel __attribute__((vec_type_hint(reals))) void find_eye_media(SCENE_PARAMETER
     }
 #endif
 }
+#endif

@@ -26,6 +26,10 @@ typedef struct {
 #if COUNTING
     uint *counts;
 #endif
+#if MARGIN
+  private
+    real *margin; // the least so far
+#endif
 } scene;
 
 // The primitives hit: their material and flags. `instance`: the index of the one that they are in, or -1.

@@ -8,6 +8,11 @@ typedef struct {
 #if HAS_TRANSMISSION
     media in;
 #endif
+#if MARGIN
+    hit source;   // what it leaves
+    vectors blur; // what its start may be off by
+    real slant;   // and its direction
+#endif
 } packet;
 
 // What a tree adds up to for each lane: colour, unsent weight, rays by kind, and the deepest level.
@@ -27,6 +32,12 @@ typedef struct {
     ints entering, touched;
 #if BENDS
     boundary b;
+#endif
+#if SURVEY
+    hit first; // h, before what touches it is met together with it
+#endif
+#if MARGIN
+    doubt doubt;
 #endif
 } encounter;
 
@@ -73,6 +84,10 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     encounter e;
     e.h = closest_hit(s, r, active);
     const ints found = active & (e.h.primitive >= 0);
+#if SURVEY
+    e.first = e.h;
+#endif
+    NOTE_HIT(s, p, r, &e.h);
     if (!any_ray(found)) {
         e.id.kind = e.id.index = e.id.material = e.id.flags = whole(0); // what other lanes may be asked for with these
 #if HAS_TRANSMISSION
@@ -83,6 +98,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     e.id = identify(s, found, &e.h);
     e.f = find_surface(s, r, &e.h, found, &e.id);
     e.entering = dot3(e.f.normal, p->direction) < splat(0);
+    NOTE_SURFACE(s, p, r, &e);
 #if HAS_TRANSMISSION
     const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, &p->in, e.id.material, e.entering);
@@ -102,6 +118,12 @@ INLINE encounter choose_encounter(ints m, encounter a, encounter b) {
     a.h.primitive = m ? a.h.primitive : b.h.primitive;
 #if HAS_INSTANCE
     a.h.inside = m ? a.h.inside : b.h.inside;
+#endif
+#if SURVEY
+    a.first = m ? a.first : b.first;
+#endif
+#if MARGIN
+    a.doubt = m ? a.doubt : b.doubt;
 #endif
     a.id.material = m ? a.id.material : b.id.material;
     a.f = choose_surface(m, a.f, b.f);
@@ -133,6 +155,10 @@ INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
     q.point = e->f.point;
     q.error = e->f.error;
     q.v = negate(p->direction);
+#if MARGIN
+    q.source = e->first;
+    q.doubt = e->doubt;
+#endif
     q.normal = choose(e->entering, e->f.normal, negate(e->f.normal));
     q.shading = q.normal;
 #if HAS_SMOOTH
@@ -207,6 +233,9 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
     children c;
     c.reflected = c.transmitted = *p;
     c.reflected.active = c.transmitted.active = mask(false);
+#if BENDS
+    NOTE_REFRACTION(s, p, e, q);
+#endif
 #if HAS_REFLECTION || HAS_TRANSMISSION
     const shares share = find_shares(s, q, e);
     const vectors outside = spawn(q->point, q->error, q->normal);
@@ -215,6 +244,14 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
     const vectors inside = spawn(q->point, choose(e->touched, blur_of(&e->f), q->error), negate(q->normal));
     c.transmitted = send_on(p, inside, share.transmission, q->t.direction, found, cutoff, depth, sum);
     c.transmitted.in = e->b.behind;
+#endif
+#endif
+#if MARGIN
+    c.reflected.source = c.transmitted.source = e->first;
+    c.reflected.blur = c.transmitted.blur = q->doubt.point;
+    c.reflected.slant = blur_of_reflection(p->slant, q->doubt.normal);
+#if HAS_TRANSMISSION
+    c.transmitted.slant = blur_of_refraction(q->t.direction, q->shading, e->b.eta, p->slant, q->doubt.normal);
 #endif
 #endif
     sum->reflection = count_where(sum->reflection, c.reflected.active);

@@ -1,4 +1,4 @@
-"""Reads OpenEXR files as feeler writes them (scan lines, float32, ZIP), without the library that wrote them."""
+"""Reads OpenEXR files as feeler writes them (scan lines, numbers of 32 bits, ZIP), without the library that wrote them."""
 
 from __future__ import annotations
 
@@ -36,14 +36,16 @@ def _read_header(data: bytes) -> tuple[dict[str, Any], int]:
     return header, at + 1
 
 
-def _channels(value: bytes) -> list[str]:
-    names, at = [], 0
+TYPES = {0: "<u4", 2: "<f4"}
+
+
+def _channels(value: bytes) -> dict[str, str]:
+    types, at = {}, 0
     while value[at]:
         name, at = _read_text(value, at)
-        assert struct.unpack_from("<i", value, at) == (2,), "every channel is float32"
+        types[name] = TYPES[struct.unpack_from("<i", value, at)[0]]
         at += 16
-        names.append(name)
-    return names
+    return types
 
 
 def _unpack(block: bytes, size: int) -> bytes:
@@ -58,11 +60,12 @@ def _unpack(block: bytes, size: int) -> bytes:
     return whole.tobytes()
 
 
-def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, Any]]:
-    """The pixels of the data window, (height, width, RGB or RGBA), and the attributes of the header."""
+def read_layers(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """The planes of the data window by their channels' names, (height, width), and the attributes of the header."""
     data = path.read_bytes()
     header, at = _read_header(data)
-    names = _channels(header["channels"])
+    types = _channels(header["channels"])
+    names = list(types)
     x0, y0, x1, y1 = header["dataWindow"]
     width, height = x1 - x0 + 1, y1 - y0 + 1
     lines = LINES_PER_BLOCK[header["compression"]]
@@ -74,5 +77,10 @@ def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, Any]]:
         raw = _unpack(data[at + 8 : at + 8 + size], count * len(names) * width * 4)
         planes[y - y0 : y - y0 + count] = np.frombuffer(raw, "<f4").reshape(count, len(names), width)
         at += 8 + size
-    order = [names.index(name) for name in "RGBA" if name in names]
-    return np.ascontiguousarray(planes[:, order].transpose(0, 2, 1)), header
+    return {name: planes[:, i].copy().view(type_) for i, (name, type_) in enumerate(types.items())}, header
+
+
+def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    """The picture, (height, width, RGB or RGBA), and the attributes of the header."""
+    layers, header = read_layers(path)
+    return np.stack([layers[name] for name in "RGBA" if name in layers], -1), header

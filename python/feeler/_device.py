@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
 from ._library import DEVICE, Error, call, ffi, lib, take_json, take_text, to_bytes, to_string
@@ -74,6 +75,7 @@ def make_settings(
     tile: int | None = None,
     general: bool = False,
     brute_force: bool = False,
+    channels: str | Sequence[str] | None = None,
 ) -> Any:
     """A feeler_settings; what is None stays as the library has it by default."""
     if level not in LEVELS:
@@ -97,6 +99,9 @@ def make_settings(
         _set(settings, "pixels", _whole("pixels", pixels, 2))
     settings.level = LEVELS.index(level)
     settings.transparent, settings.general, settings.brute_force = bool(alpha), bool(general), bool(brute_force)
+    if channels is not None:
+        names = channels if isinstance(channels, str) else ",".join(channels)
+        settings.channels = call(lib.feeler_channels_parse, to_bytes(names)) if names else 0
     return settings
 
 

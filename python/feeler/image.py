@@ -15,16 +15,15 @@ from ._library import Error, call, ffi, lib, to_bytes, to_string
 
 
 class _Memory:
-    """An image's pixels for numpy, which keeps this and so the image alive."""
+    """A plane of an image for numpy, which keeps this and so the image alive."""
 
-    def __init__(self, pointer: Any) -> None:
+    def __init__(self, pointer: Any, values: Any, type_: Any, *components: int) -> None:
         self.owner = pointer
-        double = lib.feeler_image_is_double(pointer)
         self.__array_interface__ = {
             "version": 3,
-            "shape": (lib.feeler_image_height(pointer), lib.feeler_image_width(pointer), 4),
-            "typestr": np.dtype(np.float64 if double else np.float32).str,
-            "data": (int(ffi.cast("uintptr_t", lib.feeler_image_pixels(pointer))), True),
+            "shape": (lib.feeler_image_height(pointer), lib.feeler_image_width(pointer), *components),
+            "typestr": np.dtype(type_).str,
+            "data": (int(ffi.cast("uintptr_t", values)), True),
         }
 
 
@@ -62,8 +61,42 @@ class Image:
         written; copy it to change it.
         """
         if self._pixels is None:
-            self._pixels = np.asarray(_Memory(self._pointer))
+            type_ = np.float64 if lib.feeler_image_is_double(self._pointer) else np.float32
+            self._pixels = np.asarray(_Memory(self._pointer, lib.feeler_image_pixels(self._pointer), type_, 4))
         return self._pixels
+
+    @property
+    def channels(self) -> dict[str, npt.NDArray[Any]]:
+        """What `render` was asked for beside the picture, by name; shapes (height, width) or (height, width, 3).
+
+        Of the ray through the pixel's centre, in the pixels' type: "depth", the distance along it, infinite where it
+        hits nothing; "position" in the scene's coordinates and "normal", the one that shades, turned to the viewer,
+        both 0 there. Likewise "object", a place in the scene's list of objects (an instance's own for what is in it),
+        and "material", a place in `materials`: int32, -1 where nothing is hit.
+
+        Of all of the pixel's samples: "rays" that were sent and the "deepest" level, int32; "discarded", the weight of
+        rays that depth and cutoff did not let go, for red, green and blue; "margin", how far the least certain decision
+        is from the other one, in bounds of its rounding error, 16 at most (docs/numerics.md). Where it is above 1,
+        rounding has changed none.
+
+        The arrays share the image's memory, as `pixels`.
+        """
+        found: dict[str, npt.NDArray[Any]] = {}
+        channel = ffi.new("feeler_channel *")
+        types = {lib.FEELER_FLOAT32: np.float32, lib.FEELER_FLOAT64: np.float64, lib.FEELER_INT32: np.int32}
+        while lib.feeler_image_channel(self._pointer, len(found), channel) == 0:
+            components = (channel.components,) if channel.components > 1 else ()
+            plane = _Memory(self._pointer, channel.values, types[channel.type], *components)
+            found[to_string(channel.name)] = np.asarray(plane)
+        return found
+
+    @property
+    def materials(self) -> list[str]:
+        """The names of the channel "material", "" for one that was written in place; empty without that channel."""
+        names: list[str] = []
+        while name := lib.feeler_image_material(self._pointer, len(names)):
+            names.append(to_string(name))
+        return names
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ._device import kernel_options, make_settings, open_device, warn_of_tuned
@@ -88,6 +88,7 @@ class Scene:
         tile: int | None = None,
         general: bool = False,
         brute_force: bool = False,
+        channels: str | Sequence[str] | None = None,
         progress: bool | Progress | None = None,
     ) -> Image:
         """Renders the scene. What is None is the scene's own, or chosen.
@@ -113,13 +114,14 @@ class Scene:
             tile: pixels per launch.
             general: compile everything, not only what the scene needs (for tests).
             brute_force: try every object for every ray (for tests).
+            channels: names of what else to find out, such as ["depth", "margin"], or "all": see `Image.channels`.
             progress: True shows a bar; a function is called several times a second with the share done, 0 to 1, and
                 stops the render by returning something true: the image so far is then returned, `interrupted`.
         """
         settings = make_settings(
             size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
             alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general,
-            brute_force=brute_force,
+            brute_force=brute_force, channels=channels,
         )  # fmt: skip
         if work_group is None:
             warn_of_tuned()

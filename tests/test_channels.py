@@ -1,0 +1,359 @@
+"""Channels beside the picture: closed forms for what the centre's ray shows, sums against the statistics, and the margin, whose
+oracle is the same decision taken in double precision.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from exr import read_layers
+from pictures import everything, same_bits
+
+import feeler
+
+SIZE = (45, 31)
+EYE, OFFSET = np.array([0.3, 0.6, 6.0]), np.array([4096.0, -512.0, 1024.0])
+
+
+def ball_on_floor(offset: Any = (0, 0, 0), **keys: Any) -> dict[str, Any]:
+    """A mirroring ball at the origin over a floor at y = -1, all of it moved by an offset."""
+    return {
+        "camera": {"eye": EYE + offset, "look_at": np.asarray(offset, float), "fov": 40},
+        "image": {"size": list(SIZE), "samples": 4},
+        "depth": 4,
+        "lights": [{"point": np.array([3, 4, 5]) + offset}],
+        "materials": {"floor": {"diffuse": 0.5}, "mirror": {"diffuse": 0.2, "reflection": [0.5, 0.25, 0.75]}},
+        "objects": [
+            {"plane": {"point": np.array([0, -1, 0]) + offset, "normal": [0, 1, 0]}, "material": "floor"},
+            {"sphere": {"centre": np.array([0, 0, 0]) + offset, "radius": 1}, "material": "mirror"},
+        ],
+        **keys,
+    }
+
+
+def directions() -> Any:
+    """Of the rays through the centres of ball_on_floor's pixels, float64."""
+    width, height = SIZE
+    forward = -EYE / np.linalg.norm(EYE)
+    right = np.cross(forward, [0, 1, 0])
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    half = np.tan(np.radians(20)) / height
+    x = (2 * np.arange(width) + 1 - width)[None, :, None] * half
+    y = (height - 2 * np.arange(height) - 1)[:, None, None] * half
+    d = forward + right * x + up * y
+    return d / np.linalg.norm(d, axis=-1, keepdims=True)
+
+
+def closed_forms() -> tuple[Any, Any, Any, Any]:
+    """Depth, position, normal and object of each pixel."""
+    d = directions()
+    b = -(d @ EYE)
+    apart = EYE @ EYE - b * b
+    ball = apart < 1
+    floor = ~ball & (d[..., 1] < 0)
+    with np.errstate(divide="ignore"):
+        depth = np.where(
+            ball, b - np.sqrt(np.maximum(1 - apart, 0)), np.where(floor, (-1 - EYE[1]) / d[..., 1], np.inf)
+        )
+    position = np.where((ball | floor)[..., None], EYE + d * np.where(np.isinf(depth), 0, depth)[..., None], 0)
+    normal = np.where(ball[..., None], position, np.where(floor[..., None], [0.0, 1.0, 0.0], 0))
+    return depth, position, normal, np.where(ball, 1, np.where(floor, 0, -1))
+
+
+@pytest.mark.parametrize("offset", [np.zeros(3), OFFSET], ids=["at 0", "far from 0"])
+def test_the_centre_of_a_pixel(offset: Any) -> None:
+    image = feeler.Scene(ball_on_floor(offset)).render(channels=["depth", "position", "normal", "object", "material"])
+    depth, position, normal, number = closed_forms()
+    found = image.channels
+    assert list(found) == ["depth", "position", "normal", "object", "material"]
+    assert found["depth"].dtype == np.float32 and found["object"].dtype == np.int32
+    assert np.array_equal(found["object"], number) and np.array_equal(found["material"], number)
+    assert image.materials == ["floor", "mirror"]
+    met = number >= 0
+    assert np.isinf(found["depth"][~met]).all() and (found["normal"][~met] == 0).all()
+    near = met & (depth < 30)
+    assert abs(found["depth"][near] / depth[near] - 1).max() < 1e-5
+    assert abs(found["position"] - np.where(met[..., None], position + offset, 0))[near].max() < 5e-4
+    # Near the silhouette the normal goes round fast: there, the direction's rounding counts.
+    assert abs(found["normal"] - normal)[met].max() < 2e-4
+
+
+def test_sums_are_those_of_the_statistics() -> None:
+    scene = feeler.Scene(ball_on_floor(depth=2))
+    image = scene.render(channels="rays,deepest,discarded")
+    rays, stats = image.stats["rays"], image.stats
+    assert image.channels["rays"].sum() == rays["eye"] + rays["reflection"] + rays["transmission"] + rays["shadow"]
+    assert image.channels["deepest"].max() == stats["deepest_level"] == 2
+    discarded = image.channels["discarded"]
+    assert discarded.shape == (SIZE[1], SIZE[0], 3) and discarded.max() == np.float32(stats["discarded_weight"]["max"])
+    assert discarded.max(-1).mean(dtype=float) == pytest.approx(stats["discarded_weight"]["mean"], rel=1e-6)
+    once = feeler.Scene(ball_on_floor(depth=1)).render(channels=["discarded", "object"])
+    ball = np.lib.stride_tricks.sliding_window_view(
+        once.channels["object"] == 1, (3, 3)
+    )  # samples may be off the centre
+    weight = once.channels["discarded"][1:-1, 1:-1]
+    assert (weight[ball.all((2, 3))] == np.float32([0.5, 0.25, 0.75])).all() and ball.all((2, 3)).sum() > 50
+    assert (weight[~ball.any((2, 3))] == 0).all()
+
+
+def test_channels_change_nothing_and_nothing_changes_them() -> None:
+    scene = feeler.Scene(ball_on_floor())
+    whole = scene.render(channels="all")
+    assert same_bits(whole.pixels, scene.render().pixels)
+    assert scene.render().channels == {} and scene.render().materials == []
+    part = scene.render(channels="all", region=(7, 5, 40, 22), tile=37, work_group=(4, 2), lanes=16)
+    assert list(part.channels) == list(whole.channels) and len(whole.channels) == 9
+    for name, plane in whole.channels.items():
+        assert same_bits(part.channels[name], np.ascontiguousarray(plane[5:22, 7:40])), name
+
+
+def test_ids_are_those_of_the_file() -> None:
+    """A turned box is a mesh, a group's copies are instances of one another, and each has its place in the list."""
+    scene = feeler.Scene({
+        "camera": {"eye": [0, 0, 20], "look_at": [0, 0, 0], "fov": 4.3}, "image": {"size": [21, 3]},
+        "materials": {"a": {}, "b": {}},
+        "groups": {"pair": [{"sphere": {"centre": [0, 0, 0], "radius": 0.6}, "material": "b"},
+                            {"sphere": {"centre": [0, 0, -3], "radius": 0.9}, "material": "a"}]},
+        "objects": [
+            {"instance": "pair", "transform": {"translate": [-3.5, 0, 0]}},
+            {"box": {"low": [-0.7, -0.7, -0.7], "high": [0.7, 0.7, 0.7]}, "material": "b", "transform": {"rotate_z": 20}},
+            {"instance": "pair", "material": "a", "transform": [{"scale": 0.8}, {"translate": [3.5, 0, 0]}]},
+        ],
+    })  # fmt: skip
+    found = scene.render(channels=["object", "material"]).channels
+    middle = list(found["object"][1])
+    assert [middle[i] for i in (3, 10, 17)] == [0, 1, 2] and middle[0] == middle[20] == -1
+    assert sorted(set(middle)) == [-1, 0, 1, 2]
+    assert [found["material"][1][i] for i in (3, 10, 17)] == [1, 1, 0]
+
+
+def test_interrupted() -> None:
+    calls: list[float] = []
+    image = feeler.Scene(ball_on_floor()).render(
+        channels=["depth", "object", "rays"], tile=200, progress=lambda done: calls.append(done) or len(calls) > 2
+    )
+    assert image.interrupted
+    undone = image.channels["rays"] == 0
+    assert 0 < undone.sum() < undone.size
+    assert (image.channels["object"][undone] == -1).all() and np.isinf(image.channels["depth"][undone]).all()
+
+
+# ---- files
+
+
+def test_layers_of_a_file(cli: Any, tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text(
+        "image: {size: [20, 10]}\ncamera: {eye: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {red: {diffuse: 1}}\n"
+        "objects:\n  - {sphere: {centre: [0, 0, 0], radius: 1}, material: red}\n"
+    )
+    assert cli("render", "a.yaml", "-o", "a.exr", "--channels", "all", "--region", "4,2,17,9", "-q").returncode == 0
+    layers, header = read_layers(tmp_path / "a.exr")
+    image = feeler.load(tmp_path / "a.yaml").render(channels="all", region=(4, 2, 17, 9))
+    names = {"depth": ["Z"], "position": ["P.X", "P.Y", "P.Z"], "normal": ["N.X", "N.Y", "N.Z"],
+             "discarded": ["discarded.R", "discarded.G", "discarded.B"]}  # fmt: skip
+    count = 3
+    for name, plane in image.channels.items():
+        for i, layer in enumerate(names.get(name, [name])):
+            one = np.ascontiguousarray(plane[..., i] if plane.ndim == 3 else plane)
+            assert layers[layer].tobytes() == one.tobytes(), layer
+            assert layers[layer].dtype == (np.uint32 if plane.dtype == np.int32 else np.float32), layer
+            count += 1
+    assert len(layers) == count and header["feeler:materials"] == "0 red"
+    assert np.stack([layers[c] for c in "RGB"], -1).tobytes() == image.pixels[..., :3].tobytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-o", "a.png", "--channels", "depth"], "a.png: .png files keep no channels beside the picture; use .exr"),
+        (["-o", "a.exr", "--channels", "depth,marginn"], "unknown channel 'marginn' (did you mean 'margin'?)"),
+        (["-o", "a.exr", "--channels", "depth,"], "unknown channel ''"),
+    ],
+)
+def test_what_cannot_be(cli: Any, scenes: Path, tmp_path: Path, arguments: list[str], message: str) -> None:
+    result = cli("render", scenes / "first.yaml", *arguments)
+    assert result.returncode == 2 and message in result.stderr
+    assert result.stderr.count("\n") <= 2 and not list(tmp_path.iterdir())
+
+
+def test_unknown_channel_in_python() -> None:
+    with pytest.raises(feeler.Error, match="did you mean 'depth'"):
+        feeler.Scene(ball_on_floor()).render(channels=["dept"])
+
+
+# ---- the margin
+
+
+def flat(objects: list[Any], **keys: Any) -> dict[str, Any]:
+    """Seen from the z axis, by pixels whose rays go through whole multiples of 1/16 at z = 0."""
+    fov = float(np.degrees(2 * np.arctan(31 / 32 / 8)))
+    camera = {"eye": [0, 0, 8], "look_at": [0, 0, 0], "fov": fov}
+    return {"camera": camera, "image": {"size": [31, 31]}, "objects": objects, "depth": 1, **keys}
+
+
+SQUARE = [[0, -0.6, 0], [0.6, -0.6, 0], [0.6, 0.6, 0], [0, 0.6, 0]]
+EDGES = {
+    "polygon": {"polygon": {"corners": SQUARE}},
+    "triangle": {"triangle": {"corners": [[0, -3, 0], [3, 0, 0], [0, 3, 0]]}},
+    "box": {"box": {"low": [0, -0.6, -1], "high": [0.6, 0.6, 0]}},
+    "disc": {"disc": {"centre": [1, 0, 0], "normal": [0, 0, 1], "radius": 1}},
+    "sphere": {"sphere": {"centre": [1, 0, 0], "radius": 1}},
+    "cylinder": {"cylinder": {"base": [1, -3, 0], "top": [1, 3, 0], "radius": 1}},
+}
+
+
+@pytest.fixture(scope="module")
+def edges() -> dict[str, Any]:
+    """The margins of each, alone; one more object, out of sight, lets all share a kernel."""
+    unseen = [{**shape, "transform": {"translate": [0, 0, 50]}} for shape in EDGES.values()]
+    return {
+        name: feeler.Scene(flat([shape, *unseen])).render(channels=["margin", "object"]).channels
+        for name, shape in EDGES.items()
+    }
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_margin_at_an_edge(edges: dict[str, Any], name: str) -> None:
+    """Edge or silhouette runs through the middle pixel's centre exactly: nobody can say what it shows."""
+    margin, number = edges[name]["margin"], edges[name]["object"]
+    assert margin[15, 15] < 1
+    assert (number[15, :15] == -1).all() and (number[15, 16:24] == 0).all()
+    assert (margin[15, :15] == 16).all() and (margin[15, 16:24] == 16).all()
+    assert (margin >= 0).all() and (margin <= 16).all() and (margin < 16).mean() < 0.05
+
+
+def test_margin_of_two_at_one_place() -> None:
+    """The nearer wins by less and less; what lies in one plane is undecidable, unless something hides it."""
+
+    def scene(gap: float, *more: Any) -> feeler.Scene:
+        other = [[x, y, gap] for x, y, _ in SQUARE]
+        return feeler.Scene(flat([{"polygon": {"corners": SQUARE}}, {"polygon": {"corners": other}}, *more]))
+
+    def at(scene: feeler.Scene) -> float:
+        return float(scene.render(channels=["margin"]).channels["margin"][15, 19])
+
+    assert at(scene(0.0)) == 0
+    found = [at(scene(-(2.0**-k))) for k in (10, 12, 14, 16)]
+    assert found[0] == 16 and 16 > found[1] > found[2] > found[3] > 0
+    assert found[1] / found[2] == pytest.approx(4, rel=0.2)
+    assert at(scene(0.0, {"polygon": {"corners": [[x, y, 1] for x, y, _ in SQUARE]}})) == 16
+
+
+def test_margin_of_light_and_shadow() -> None:
+    """A light in the plane of a floor is on no side of it; and a feeler may touch what casts the shadow."""
+    floor = {"polygon": {"corners": [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]}, "material": "matte"}
+    lid = {
+        "polygon": {"corners": [[0, -3, 2], [3, -3, 2], [3, 3, 2], [0, 3, 2]]},
+        "material": "matte",
+        "sides": "front",
+    }
+    matte = {"materials": {"matte": {"diffuse": 0.5}}}
+    beside = feeler.Scene(flat([floor], lights=[{"point": [9, 0, 0]}], **matte)).render(channels=["margin"])
+    assert (beside.channels["margin"] < 1).all()
+    # The shadow's edge: from the light at x = 0 through x = 0 straight down.
+    above = feeler.Scene(flat([floor, lid], lights=[{"point": [0, 0, 4]}], **matte)).render(
+        channels=["margin", "object"]
+    )
+    column = above.channels["margin"][15]
+    assert column[15] < 1 and (column[:14] == 16).all() and (column[17:] == 16).all()
+
+
+KINDS = ("sphere", "triangle", "disc", "box", "cylinder", "cone", "polygon")
+
+
+def crowd(seed: int, spread: float = 1e-2, away: float = 100.0) -> dict[str, Any]:
+    """One of each kind whose edge or silhouette runs through the little that is seen from far away: many pixels are as near to
+    it as rounding is large.
+    """
+    rng = np.random.default_rng(seed)
+    eye = rng.normal(size=3)
+    eye /= np.linalg.norm(eye)
+    objects: list[dict[str, Any]] = []
+    for kind in rng.permutation(KINDS):
+        r = float(np.exp(rng.uniform(-1, 1)))
+        side = np.cross(eye, rng.normal(size=3))
+        side /= np.linalg.norm(side)
+        up = np.cross(eye, side)
+        m = eye * rng.uniform(-2, 2) + rng.normal(size=3) * spread * 0.3
+        lean = side + eye * rng.normal() * 0.3
+        axis = up + rng.normal() * 0.5 * eye
+        c = m + side * r
+        shapes: dict[str, Any] = {
+            "sphere": {"centre": c, "radius": r},
+            "triangle": {"corners": np.array([m + up * r, m - up * r + eye * rng.normal() * 0.3, c])},
+            "disc": {"centre": m + lean / np.linalg.norm(lean) * r, "normal": np.cross(up, lean), "radius": r},
+            "box": {"low": m - r * (rng.random(3) < 0.5), "high": 0},
+            "cylinder": {"base": c - axis, "top": c + axis, "radius": r},
+            "cone": {"base": c - axis, "top": c + axis, "base_radius": r * 0.9, "top_radius": r * 1.1, "capped": bool(r < 1)},
+            "polygon": {"corners": np.array([m + up * r, m - up * r, m - up * r + lean, m + lean * 0.5, m + up * r + lean])},
+        }  # fmt: skip
+        if kind == "box":
+            shapes["box"]["high"] = shapes["box"]["low"] + r
+        objects.append({kind: shapes[kind]})
+    camera = {"eye": eye * away, "look_at": [0, 0, 0], "up": [0.3, 1, 0.2], "fov": float(np.degrees(spread / away))}
+    return {"camera": camera, "image": {"size": [120, 90]}, "depth": 1, "objects": objects}
+
+
+def test_decisions_beyond_their_bounds_are_right() -> None:
+    """Where the margin is above 1, float shows the object that double does. Elsewhere it may not, and sometimes does not."""
+    wrong = near = 0
+    for seed in range(10):
+        scene = feeler.Scene(crowd(seed))
+        image = scene.render(channels=["object", "margin"])
+        exact = scene.render(channels=["object", "margin"], level="reference").channels
+        margin, differs = image.channels["margin"], image.channels["object"] != exact["object"]
+        assert margin.min() >= 0 and margin.max() <= 16
+        assert not differs[margin > 1].any(), seed
+        wrong += differs.sum()
+        near += ((margin > 1) & (margin < 16)).sum()
+        assert (exact["margin"] == 16).mean() > 0.999  # double has room to spare
+        print(seed, "differ", differs.sum(), "greatest margin there", margin[differs].max(initial=0))
+    assert wrong > 20 and near > 1000
+
+
+MIXED = {**ball_on_floor(), "depth": 3}
+
+
+def test_margins_do_not_depend_on_the_tree() -> None:
+    """A mesh, instances and a mirror."""
+    step = np.linspace(-1, 1, 7)
+    x, y = (a.ravel() for a in np.meshgrid(step, step))
+    vertices = np.stack([2 * x, 2 * y, 0.3 * np.sin(3 * x) * np.cos(2 * y) - 2], 1)
+    corner = np.arange(36) // 6 * 7 + np.arange(36) % 6
+    triangles = np.concatenate(
+        [np.stack([corner, corner + 1, corner + 8], 1), np.stack([corner, corner + 8, corner + 7], 1)]
+    )
+    objects = [
+        *MIXED["objects"],
+        {"mesh": {"vertices": vertices, "triangles": triangles}, "material": "floor"},
+        *(
+            {"instance": "pair", "transform": [{"rotate_y": 40 * i}, {"translate": [i - 1, 1.2, 0.5]}]}
+            for i in range(3)
+        ),
+    ]
+    pair = [{"box": {"low": [-0.3, 0, -0.2], "high": [0.1, 0.3, 0.2]}, "material": "floor"},
+            {"sphere": {"centre": [0.2, 0.2, 0], "radius": 0.25}, "material": "mirror"}]  # fmt: skip
+    far = {"eye": 20 * EYE, "look_at": [0, 0, 0], "fov": 2}  # where bounds are larger for the pixels' size
+    scene = feeler.Scene({**MIXED, "camera": far, "objects": objects, "groups": {"pair": pair}})
+    margin = scene.render(channels=["margin"]).channels["margin"]
+    assert same_bits(margin, scene.render(channels=["margin"], brute_force=True).channels["margin"])
+    assert 0.005 < (margin < 16).mean() < 0.9 and len(np.unique(margin)) > 100
+
+
+@pytest.mark.slow
+def test_whole_trees_beyond_their_bounds_are_right() -> None:
+    """Every primitive, light and material: where no decision is within its bounds, float and double send the same rays."""
+    scene = feeler.Scene(everything())
+    settings: dict[str, Any] = {"channels": "all", "size": (144, 108)}
+    image, exact = scene.render(**settings), scene.render(level="reference", **settings)
+    margin = image.channels["margin"]
+    sure = margin > 1
+    assert sure.mean() > 0.8
+    for name in ("object", "material", "rays", "deepest"):
+        assert np.array_equal(image.channels[name][sure], exact.channels[name][sure]), name
+    assert abs(image.pixels - exact.pixels)[sure].max() < 1e-4
+    assert same_bits(scene.render(brute_force=True, **settings).channels["margin"], margin)
