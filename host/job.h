@@ -27,6 +27,7 @@ typedef struct slot {
 typedef struct job {
     feeler_device *device;
     feeler_settings settings; /* resolved */
+    bool notes;               /* of all that one pixel's rays do, instead of a picture: see record.h */
     needs needs;
     packed packed;
     upload upload;
@@ -51,6 +52,11 @@ size_t tile_pixels(const tile *tile);
 /* Whether rays are sent on at all: else no weight is unsent and the deepest level is 1. */
 bool sends_rays(const job *job);
 
+/* render.c: packs, uploads and builds for the resolved settings, until the first tile may start. What `progress` stops is
+ * ready only in part. The job is to be closed in any case. */
+int open_job(job *job, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error);
+void close_job(job *job);
+
 /* launch.c: what is asked of the device. All return 0, or -1 with the error filled. */
 int open_slot(const job *job, slot *slot, feeler_error *error);
 void close_slot(slot *slot);
@@ -60,6 +66,9 @@ int find_eye_media(const job *job, feeler_error *error);
 int clear_eye_media(const job *job, feeler_error *error);
 /* Launches a tile and asks for its results; waits for nothing. */
 int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
+/* Launches the kernel that takes notes for the one pixel of the region, with these arguments besides the usual ones, and waits
+ * for it. */
+int launch_notes(const job *job, const cl_mem *buffers, size_t count, uint4 room, cl_mem counts, feeler_error *error);
 /* How long the launch ran on the device after the one before it had ended; negative where the queue does not tell. To be
  * asked once for each, in their order. */
 double launch_seconds(job *job, const slot *slot);

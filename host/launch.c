@@ -89,6 +89,7 @@ int find_eye_media(const job *j, feeler_error *error) {
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
 }
 
+/* The next index, or -1. */
 static int bind_render(const job *j, const slot *s, feeler_error *error) {
     cl_int status = CL_SUCCESS;
     cl_kernel kernel = j->program.render;
@@ -98,7 +99,7 @@ static int bind_render(const job *j, const slot *s, feeler_error *error) {
     status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
     for (int k = 0; k < RESULTS; k++)
         status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->results[k].buffer);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
+    return status == CL_SUCCESS ? (int)i : fail_cl(error, "clSetKernelArg", status);
 }
 
 bool sends_rays(const job *j) {
@@ -149,6 +150,29 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
         return -1;
     status = clFlush(queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clFlush", status);
+}
+
+int launch_notes(const job *j, const cl_mem *buffers, size_t count, uint4 room, cl_mem counts, feeler_error *error) {
+    const int *r = j->settings.region;
+    slot s = j->slots[0];
+    s.tile = (tile){r[0], r[1], r[2], r[3]};
+    const int first = bind_render(j, &s, error);
+    if (first < 0)
+        return -1;
+    cl_kernel kernel = j->program.render;
+    cl_int status = CL_SUCCESS;
+    cl_uint i = (cl_uint)first;
+    for (size_t k = 0; k < count; k++)
+        status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &buffers[k]);
+    status |= clSetKernelArg(kernel, i++, sizeof room, &room);
+    status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &counts);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clSetKernelArg", status);
+    const size_t one = 1;
+    status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
+    if (status == CL_SUCCESS)
+        status = clFinish(j->device->queue);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
 }
 
 double launch_seconds(job *j, const slot *s) {

@@ -66,6 +66,8 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)
         used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
+    if (n.notes)
+        used += (size_t)snprintf(text + used, size - used, " -DRECORD=1");
     for (int i = 0; i < FEATURE_COUNT; i++)
         used += print_feature(text + used, size - used, (feature)i, has(n.features, (feature)i));
     if (extra)
@@ -75,7 +77,7 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
 
 char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s = *settings;
-    needs n = {all_features, MOST_MEDIA, WIDTH};
+    needs n = {all_features, MOST_MEDIA, WIDTH, false};
     if (!scene) {
         s.lanes = s.lanes ? s.lanes : 1;
         s.depth = s.depth ? s.depth : 16;
@@ -157,7 +159,7 @@ static cl_program find_kept(const feeler_device *device, const char *options) {
     return NULL;
 }
 
-int program_build(program *p, feeler_device *device, const char *options, feeler_error *error) {
+int program_build(program *p, feeler_device *device, const char *options, const char *entry, feeler_error *error) {
     double start = seconds_now();
     cl_int status;
     memset(p, 0, sizeof *p);
@@ -168,7 +170,7 @@ int program_build(program *p, feeler_device *device, const char *options, feeler
             return -1;
         keep(device, options, p->program);
     }
-    p->render = clCreateKernel(p->program, "render", &status);
+    p->render = clCreateKernel(p->program, entry, &status);
     if (status == CL_SUCCESS)
         p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
     if (status != CL_SUCCESS) {

@@ -7,7 +7,7 @@
 
 typedef struct program {
     cl_program program;
-    cl_kernel render, find_eye_media;
+    cl_kernel render, find_eye_media; /* render: or the entry point that was asked for in its place */
     double seconds; /* to build; a device may compile more at the first launch */
 } program;
 
@@ -18,8 +18,8 @@ int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, fe
 /* The build options for resolved settings and what a scene needs. To be freed. */
 char *program_options(const feeler_settings *resolved, needs needs, feeler_error *error);
 
-/* Builds, or takes what the device has built before. */
-int program_build(program *program, feeler_device *device, const char *options, feeler_error *error);
+/* Builds, or takes what the device has built before. `entry`: "render" or, with notes, "record_pixel". */
+int program_build(program *program, feeler_device *device, const char *options, const char *entry, feeler_error *error);
 void program_free(program *program);
 
 /* About how much of a CPU thread's stack one work-item takes, in bytes. */
