@@ -62,8 +62,7 @@ static int ask(const question *q) {
     for (int i = 0; (warning = feeler_scene_warning(scene, i)); i++)
         report_warning(warning);
     feeler_device *device = feeler_device_open(q->select, &error);
-    char *json =
-        device ? feeler_pixel_json(scene, &q->settings, device, q->x, q->y, q->sample, &error) : NULL;
+    char *json = device ? feeler_pixel_json(scene, &q->settings, device, q->x, q->y, q->sample, &error) : NULL;
     int code = json ? tell(q, json) : report_error(&error);
     feeler_free(json);
     feeler_device_close(device);
@@ -92,10 +91,15 @@ int cmd_pixel(int argc, char **argv) {
          "number or part of a name, see 'feeler devices'", 0, 0},
         {0},
     };
-    const command pixel = {
-        "pixel", "SCENE X Y", "Tells all that the rays of one pixel do, as they are traced for a picture.", options, 3, 3,
-        "X and Y count from 0 at the top left. A ray is told with all that it meets, each term of the light there, what\n"
-        "blocks the feelers, and what is sent on; then in words why the pixel has its colour."};
+    const command pixel = {"pixel",
+                           "SCENE X Y",
+                           "Tells all that the rays of one pixel do, as they are traced for a picture.",
+                           options,
+                           3,
+                           3,
+                           "X and Y count from 0 at the top left. A ray is told with all that it meets, each term of "
+                           "the light there, what\n"
+                           "blocks the feelers, and what is sent on; then in words why the pixel has its colour."};
     options_result parsed = options_parse(&pixel, argc, argv, &count);
     if (parsed != OPTIONS_GO)
         return parsed == OPTIONS_HELPED ? EXIT_DONE : EXIT_USAGE;

@@ -43,10 +43,10 @@ static json_t *scene_lights_json(const feeler_scene *scene) {
     json_t *list = json_array();
     for (size_t i = 0; i < scene->light_count; i++) {
         const scene_light *l = &scene->lights[i];
-        json_array_append_new(list, json_pack("{s: s, s: o, s: o, s: o, s: o}", "kind", l->directional ? "directional" : "point",
-                                              l->directional ? "direction" : "position", vec_json(l->position),
-                                              "diffuse", vec_json(l->diffuse), "specular", vec_json(l->specular), "place",
-                                              place_json(l->place)));
+        json_array_append_new(
+            list, json_pack("{s: s, s: o, s: o, s: o, s: o}", "kind", l->directional ? "directional" : "point",
+                            l->directional ? "direction" : "position", vec_json(l->position), "diffuse",
+                            vec_json(l->diffuse), "specular", vec_json(l->specular), "place", place_json(l->place)));
     }
     return list;
 }

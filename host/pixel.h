@@ -13,11 +13,11 @@ typedef struct story {
     const feeler_scene *scene;
     const job *job;
     const notes *notes;
-    int sample;                 /* the one that is told, or -1: all */
-    uint32_t *first_light;      /* by ray; its notes are in a row, up to the next ray's first */
-    uint32_t *first_crossing;   /* the same */
-    uint32_t *children[2];      /* by ray: the reflection and the transmission, or NOT_NOTED */
-    size_t **starts;            /* by list, the scene's own first, then the groups': the objects' first primitives, or NULL */
+    int sample;               /* the one that is told, or -1: all */
+    uint32_t *first_light;    /* by ray; its notes are in a row, up to the next ray's first */
+    uint32_t *first_crossing; /* the same */
+    uint32_t *children[2];    /* by ray: the reflection and the transmission, or NOT_NOTED */
+    size_t **starts; /* by list, the scene's own first, then the groups': the objects' first primitives, or NULL */
 } story;
 
 /* Where a primitive is from: an object, a triangle of its mesh, and those inside where the object is an instance. */

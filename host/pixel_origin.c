@@ -75,12 +75,12 @@ json_t *place_json(place place) {
 
 static json_t *object_json(const scene_object *object, size_t number, size_t triangle) {
     static const char *const shapes[] = {
-        [SHAPE_SPHERE] = "sphere",     [SHAPE_PLANE] = "plane",     [SHAPE_DISC] = "disc",
-        [SHAPE_BOX] = "box",           [SHAPE_TRIANGLE] = "triangle", [SHAPE_POLYGON] = "polygon",
-        [SHAPE_CONE] = "cone",         [SHAPE_MESH] = "mesh",       [SHAPE_INSTANCE] = "instance",
+        [SHAPE_SPHERE] = "sphere", [SHAPE_PLANE] = "plane",       [SHAPE_DISC] = "disc",
+        [SHAPE_BOX] = "box",       [SHAPE_TRIANGLE] = "triangle", [SHAPE_POLYGON] = "polygon",
+        [SHAPE_CONE] = "cone",     [SHAPE_MESH] = "mesh",         [SHAPE_INSTANCE] = "instance",
     };
-    json_t *json = json_pack("{s: I, s: s, s: o}", "number", (json_int_t)number, "shape", shapes[object->shape], "place",
-                             place_json(object->place));
+    json_t *json = json_pack("{s: I, s: s, s: o}", "number", (json_int_t)number, "shape", shapes[object->shape],
+                             "place", place_json(object->place));
     if (object->shape == SHAPE_MESH)
         json_object_set_new(json, "triangle", json_integer((json_int_t)triangle));
     return json;

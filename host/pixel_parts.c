@@ -7,8 +7,8 @@
 
 enum { AMBIENT, EMISSION, DIFFUSE, SPECULAR, DIFFUSE_TRANSMISSION, SPECULAR_TRANSMISSION, BACKGROUND };
 
-static const char *const terms[] = {"ambient",  "emission", "diffuse", "specular", "diffuse_transmission",
-                                    "specular_transmission", "background"};
+static const char *const terms[] = {
+    "ambient", "emission", "diffuse", "specular", "diffuse_transmission", "specular_transmission", "background"};
 
 /* One with the same key as another is of the same thing. */
 typedef struct part {
@@ -96,8 +96,9 @@ static int add_ray(const story *t, parts *all, uint32_t ray, feeler_error *error
 
 static int compare_keys(const void *left, const void *right) {
     const part *a = left, *b = right;
-    const size_t keys[][2] = {{a->key.term, b->key.term},   {a->key.light, b->key.light},   {a->key.kind, b->key.kind},
-                              {a->key.level, b->key.level}, {a->key.object, b->key.object}, {a->key.inside, b->key.inside}};
+    const size_t keys[][2] = {{a->key.term, b->key.term},     {a->key.light, b->key.light},
+                              {a->key.kind, b->key.kind},     {a->key.level, b->key.level},
+                              {a->key.object, b->key.object}, {a->key.inside, b->key.inside}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i][0] != keys[i][1])
             return keys[i][0] < keys[i][1] ? -1 : 1;

@@ -131,17 +131,16 @@ static json_t *light_json(const story *t, uint32_t ray, uint32_t index, feeler_e
     const vec3 share = tags->at.w & NOTED_COUNTS ? xyz(l->share) : (vec3){0, 0, 0};
     const vec3 diffuse = vec_scale(multiply(xyz(l->diffuse), share), fabs(l->diffuse.w));
     const vec3 specular = vec_scale(multiply(xyz(l->specular), share), l->specular.w);
-    json_t *json =
-        json_pack("{s: i, s: s, s: o, s: o, s: f, s: f, s: o, s: o, s: o, s: o}", "light", (int)tags->at.y, "side",
-                  sides[tags->at.z], "direction", colour_json(l->direction), "distance",
-                  length_json(near ? l->direction.w : INFINITY), "cosine", l->diffuse.w, "highlight", l->specular.w,
-                  back ? "diffuse_transmission" : "diffuse", vec_json(diffuse),
-                  back ? "specular_transmission" : "specular", vec_json(specular), "colour", colour_json(l->colour),
-                  "feeler", feeler);
+    json_t *json = json_pack("{s: i, s: s, s: o, s: o, s: f, s: f, s: o, s: o, s: o, s: o}", "light", (int)tags->at.y,
+                             "side", sides[tags->at.z], "direction", colour_json(l->direction), "distance",
+                             length_json(near ? l->direction.w : INFINITY), "cosine", l->diffuse.w, "highlight",
+                             l->specular.w, back ? "diffuse_transmission" : "diffuse", vec_json(diffuse),
+                             back ? "specular_transmission" : "specular", vec_json(specular), "colour",
+                             colour_json(l->colour), "feeler", feeler);
     if (!(tags->at.w & NOTED_FEELER))
-        json_object_set_new(json, "no_feeler",
-                            json_string(why_no_feeler(t, l, tags, &t->scene->materials[met.z],
-                                                      met.w & NOTED_REFRACTS)));
+        json_object_set_new(
+            json, "no_feeler",
+            json_string(why_no_feeler(t, l, tags, &t->scene->materials[met.z], met.w & NOTED_REFRACTS)));
     return json;
 }
 
@@ -220,11 +219,11 @@ static int add_hit(const story *t, uint32_t ray, json_t *json, feeler_error *err
     }
     const bool indices = asks_for_indices(m), refracts = tags->met.w & NOTED_REFRACTS;
     json_object_set_new(json, "hit",
-                        json_pack("{s: f, s: o, s: o, s: o, s: o, s: o, s: b, s: o, s: o, s: o, s: b, s: o}", "distance",
-                                  r->origin.w, "object", origin_json(&o), "material", material_json(t, tags->met.z),
-                                  "point", point_json(t, r->point), "normal", colour_json(r->normal), "shading",
-                                  colour_json(r->shading), "entering", tags->met.w & NOTED_ENTERING, "reflected",
-                                  colour_json(r->reflected), "transmitted",
+                        json_pack("{s: f, s: o, s: o, s: o, s: o, s: o, s: b, s: o, s: o, s: o, s: b, s: o}",
+                                  "distance", r->origin.w, "object", origin_json(&o), "material",
+                                  material_json(t, tags->met.z), "point", point_json(t, r->point), "normal",
+                                  colour_json(r->normal), "shading", colour_json(r->shading), "entering",
+                                  tags->met.w & NOTED_ENTERING, "reflected", colour_json(r->reflected), "transmitted",
                                   indices && refracts ? colour_json(r->transmitted) : json_null(), "indices",
                                   indices ? json_pack("[f, f]", r->direction.w, r->weight.w) : json_null(),
                                   "total_reflection", indices && !refracts, "touching", touching));
@@ -245,16 +244,17 @@ static vec3 background_of(const story *t, const ray_tags *tags) {
 
 /* A ray and all that it sends; `colour` is what arrives along it. NULL: out of memory. */
 static json_t *ray_json(const story *t, uint32_t ray, vec3 *colour, feeler_error *error) {
-    static const char *const sent_as[] = {"eye", "reflection", "transmission"}, *const ways[] = {"reflection", "transmission"};
+    static const char *const sent_as[] = {"eye", "reflection", "transmission"}, *const ways[] = {"reflection",
+                                                                                                 "transmission"};
     const ray_note *r = &t->notes->rays[ray];
     const ray_tags *tags = &t->notes->ray_tags[ray];
     const bool met = tags->met.x != NOT_NOTED;
     json_t *passed = crossings_json(t, ray, NOT_NOTED, CROSSING_HIDDEN, error);
-    json_t *json = json_pack("{s: i, s: s, s: i, s: i, s: o, s: o, s: o, s: o, s: o, s: n}", "number", (int)ray, "kind",
-                             sent_as[tags->sent.z], "sample", (int)tags->sent.y, "level", (int)tags->sent.w, "origin",
-                             point_json(t, r->origin), "direction", colour_json(r->direction), "weight",
-                             colour_json(r->weight), "media", media_json(t, tags->before_outer, tags->before_inner),
-                             "passed", passed, "hit");
+    json_t *json =
+        json_pack("{s: i, s: s, s: i, s: i, s: o, s: o, s: o, s: o, s: o, s: n}", "number", (int)ray, "kind",
+                  sent_as[tags->sent.z], "sample", (int)tags->sent.y, "level", (int)tags->sent.w, "origin",
+                  point_json(t, r->origin), "direction", colour_json(r->direction), "weight", colour_json(r->weight),
+                  "media", media_json(t, tags->before_outer, tags->before_inner), "passed", passed, "hit");
     int status = passed && json ? 0 : -1;
     *colour = met ? xyz(r->lit) : background_of(t, tags);
     if (status == 0 && met)

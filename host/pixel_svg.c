@@ -5,7 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH_OF_BOX = 272, HEIGHT_OF_BOX = 88, STEP = 330, ROW = 100, MARGIN = 24, HEAD = 40, LINE = 16, LETTERS = 40 };
+enum {
+    WIDTH_OF_BOX = 272,
+    HEIGHT_OF_BOX = 104,
+    STEP = 330,
+    ROW = 116,
+    MARGIN = 24,
+    HEAD = 40,
+    LINE = 16,
+    LETTERS = 40
+};
 
 /* The drawing grows while it is written, so that its size is known last. */
 typedef struct drawing {
@@ -105,7 +114,7 @@ static void print_lights(FILE *out, double x, double y, const json_t *lights) {
     }
 }
 
-/* "not sent: reflection (depth)" */
+/* "not sent: reflection (depth), transmission (weight)" */
 static void print_unsent(FILE *out, double x, double y, const json_t *ray) {
     static const char *const ways[] = {"reflection", "transmission"};
     char text[120] = "";
@@ -113,7 +122,7 @@ static void print_unsent(FILE *out, double x, double y, const json_t *ray) {
         const char *code = text_of(json_object_get(ray, ways[i]), "unsent");
         const size_t used = strlen(text);
         if (*code && strcmp(code, "coefficients") != 0)
-            snprintf(text + used, sizeof text - used, "%s%s (%s)", used ? ", " : "no ", ways[i], code);
+            snprintf(text + used, sizeof text - used, "%s%s (%s)", used ? ", " : "not sent: ", ways[i], code);
     }
     if (*text)
         print_text(out, x, y, "small", text, LETTERS + 6);
@@ -123,23 +132,23 @@ static void print_box(FILE *out, double x, double y, const json_t *ray) {
     const json_t *hit = json_object_get(ray, "hit"), *colour = json_object_get(ray, "colour");
     const bool met = json_is_object(hit);
     char title[80];
-    fprintf(out, "<rect x='%g' y='%g' width='%d' height='%d' rx='5' class='%s%s'/>\n", x, y, WIDTH_OF_BOX, HEIGHT_OF_BOX,
-            text_of(ray, "kind"), met ? "" : " missed");
+    fprintf(out, "<rect x='%g' y='%g' width='%d' height='%d' rx='5' class='%s%s'/>\n", x, y, WIDTH_OF_BOX,
+            HEIGHT_OF_BOX, text_of(ray, "kind"), met ? "" : " missed");
     fprintf(out, "<rect x='%g' y='%g' width='20' height='%d' class='swatch' fill='rgb(%d,%d,%d)'/>\n", x + 6, y + 6,
             HEIGHT_OF_BOX - 12, srgb(colour, 0), srgb(colour, 1), srgb(colour, 2));
     x += 34;
     snprintf(title, sizeof title, "%s ray %d", text_of(ray, "kind"), whole_of(ray, "number"));
     print_text(out, x, y + 17, "title", title, LETTERS);
-    print_about(out, x + WIDTH_OF_BOX - 42, y + 17, "right", "weight ", json_object_get(ray, "weight"), print_colour);
+    print_about(out, x, y + 33, "plain", "weight ", json_object_get(ray, "weight"), print_colour);
     if (!met) {
-        print_about(out, x, y + 34, "plain", "meets nothing: background ", json_object_get(ray, "background"),
-                    print_colour);
+        print_text(out, x, y + 48, "plain", "meets nothing", LETTERS);
+        print_about(out, x, y + 63, "plain", "background ", json_object_get(ray, "background"), print_colour);
         return;
     }
     const json_t *local = json_object_get(ray, "local");
-    print_about(out, x, y + 34, "plain", "", hit, print_hit_object);
-    print_about(out, x, y + 49, "plain", "I_local ", json_object_get(local, "colour"), print_colour);
-    print_unsent(out, x, y + 63, ray);
+    print_about(out, x, y + 48, "plain", "", hit, print_hit_object);
+    print_about(out, x, y + 63, "plain", "I_local ", json_object_get(local, "colour"), print_colour);
+    print_unsent(out, x, y + 78, ray);
     print_lights(out, x + 7, y + HEIGHT_OF_BOX - 12, json_object_get(local, "lights"));
 }
 
@@ -177,7 +186,9 @@ static double draw_ray(drawing *d, const json_t *ray, int level) {
 
 /* What colours and marks mean. */
 static void draw_key(drawing *d) {
-    static const struct { const char *class, *text; } marks[] = {
+    static const struct {
+        const char *class, *text;
+    } marks[] = {
         {"lit", "light arrives"}, {"blocked", "its feeler is blocked"}, {"unlit", "no feeler, or nothing left"}};
     double x = MARGIN + 7, y = d->y + 10;
     for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) {
@@ -204,10 +215,11 @@ static void draw_pixel(drawing *d, const json_t *pixel) {
 
 static const char style[] =
     "<style>text{font-family:'DejaVu Sans',Verdana,sans-serif;font-size:11px;fill:#111}"
-    ".title{font-weight:bold;font-size:12px}.head{font-size:14px}.small{font-size:10px;fill:#444}.right{text-anchor:end}"
+    ".title{font-weight:bold;font-size:12px}.head{font-size:14px}.small{font-size:10px;fill:#444}"
     ".mark{text-anchor:middle;font-size:9px}text.blocked{fill:#fff}"
     "rect{stroke-width:1.5}rect.eye{fill:#f2f2f2;stroke:#444}rect.reflection{fill:#e8f0fb;stroke:#2a62b8}"
-    "rect.transmission{fill:#e9f6ec;stroke:#22803c}rect.missed{stroke-dasharray:5 3}.swatch{stroke:#777;stroke-width:.7}"
+    "rect.transmission{fill:#e9f6ec;stroke:#22803c}rect.missed{stroke-dasharray:5 "
+    "3}.swatch{stroke:#777;stroke-width:.7}"
     "circle{stroke:#444}circle.lit{fill:#ffe066}circle.blocked{fill:#333}circle.unlit{fill:#fff;stroke-dasharray:2 2}"
     ".edge{fill:none;stroke-width:1.8}.edge.reflection{stroke:#2a62b8}.edge.transmission{stroke:#22803c}</style>\n";
 

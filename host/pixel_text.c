@@ -61,10 +61,13 @@ static void print_term(FILE *out, const json_t *light, const char *key, const ch
     fprintf(out, " (%s %.4g)", factor, value);
 }
 
-static void print_crossed(const sheet *s, const json_t *crossed) {
+/* What ends the feeler has been told. */
+static void print_crossed(const sheet *s, const json_t *crossed, const json_t *blocker) {
     size_t i;
     json_t *one;
     json_array_foreach(crossed, i, one) {
+        if (is_zero(json_object_get(one, "share")) && json_is_object(blocker))
+            break;
         begin_line(s);
         fputs("    through ", s->out);
         print_object(s->out, one, true);
@@ -90,8 +93,6 @@ static void print_light(const sheet *s, const json_t *light) {
     fprintf(s->out, "lights[%d]", whole_of(light, "light"));
     if (json_is_object(blocker)) {
         print_blocker(s->out, feeler, blocker);
-    } else if (is_zero(json_object_get(light, "colour"))) {
-        fprintf(s->out, "  nothing: %s", json_is_object(feeler) ? "no light is left" : text_of(light, "no_feeler"));
     } else {
         const double cosine = number_of(light, "cosine"), highlight = number_of(light, "highlight");
         print_term(s->out, light, back ? "diffuse_transmission" : "diffuse", "cosine", back ? -cosine : cosine);
@@ -100,7 +101,30 @@ static void print_light(const sheet *s, const json_t *light) {
             fputs("  without a feeler", s->out);
     }
     fputc('\n', s->out);
-    print_crossed(s, json_object_get(feeler, "crossed"));
+    print_crossed(s, json_object_get(feeler, "crossed"), blocker);
+}
+
+/* Those that add nothing and are not blocked follow on one line for each reason. */
+static void print_lights(const sheet *s, const json_t *lights) {
+    size_t i;
+    json_t *light, *numbers, *idle = json_object();
+    const char *reason;
+    json_array_foreach(lights, i, light) {
+        const json_t *feeler = json_object_get(light, "feeler");
+        if (!is_zero(json_object_get(light, "colour")) || json_is_object(json_object_get(feeler, "blocked_by"))) {
+            print_light(s, light);
+            continue;
+        }
+        reason = json_is_object(feeler) ? "its highlight is not here" : text_of(light, "no_feeler");
+        const char *before = json_string_value(json_object_get(idle, reason));
+        json_object_set_new(idle, reason,
+                            json_sprintf("%s%s%d", before ? before : "", before ? "," : "", whole_of(light, "light")));
+    }
+    json_object_foreach(idle, reason, numbers) {
+        begin_line(s);
+        fprintf(s->out, "lights[%s]  nothing: %s\n", json_string_value(numbers), reason);
+    }
+    json_decref(idle);
 }
 
 /* ---- rays ---- */
@@ -140,8 +164,6 @@ static void print_hit(const sheet *s, const json_t *hit) {
 
 static void print_local(const sheet *s, const json_t *local) {
     static const char *const own[] = {"ambient", "emission"};
-    size_t i;
-    json_t *light;
     for (size_t k = 0; k < 2; k++) {
         if (is_zero(json_object_get(local, own[k])))
             continue;
@@ -150,7 +172,7 @@ static void print_local(const sheet *s, const json_t *local) {
         print_colour(s->out, json_object_get(local, own[k]));
         fputc('\n', s->out);
     }
-    json_array_foreach(json_object_get(local, "lights"), i, light) print_light(s, light);
+    print_lights(s, json_object_get(local, "lights"));
     begin_line(s);
     fputs("I_local  ", s->out);
     print_colour(s->out, json_object_get(local, "colour"));
@@ -200,16 +222,20 @@ static void print_unsent(const sheet *s, const char *name, const json_t *way, co
     fputc('\n', s->out);
 }
 
+static const char *const names[] = {"reflection", "transmission"};
+
+/* Whether there is something to tell of what a ray sends on. */
+static bool is_told(const json_t *ray, int way) {
+    const json_t *sent = json_object_get(ray, names[way]);
+    return json_is_object(json_object_get(sent, "ray")) || unsent_text(sent);
+}
+
 static void print_children(sheet *s, const json_t *ray) {
     const json_t *ways[] = {json_object_get(ray, "reflection"), json_object_get(ray, "transmission")};
-    const char *names[] = {"reflection", "transmission"};
-    bool told[2];
-    for (size_t i = 0; i < 2; i++)
-        told[i] = json_is_object(json_object_get(ways[i], "ray")) || unsent_text(ways[i]);
-    for (size_t i = 0; i < 2; i++) {
-        const bool last = i == 1 || !told[1];
+    for (int i = 0; i < 2; i++) {
+        const bool last = i == 1 || !is_told(ray, 1);
         const json_t *next = json_object_get(ways[i], "ray");
-        if (!told[i])
+        if (!is_told(ray, i))
             continue;
         if (json_is_object(next))
             print_ray(s, next, last ? "└ " : "├ ", last ? "  " : "│ ");
@@ -246,7 +272,7 @@ static void print_ray(sheet *s, const json_t *ray, const char *branch, const cha
         return;
     const size_t inner = s->length;
     const json_t *hit = json_object_get(ray, "hit");
-    if (!deepen(s, "  "))
+    if (!deepen(s, is_told(ray, 0) || is_told(ray, 1) ? "│ " : "  "))
         return;
     print_way(s, ray);
     if (json_is_object(hit)) {
@@ -269,10 +295,11 @@ static void print_heading(FILE *out, const json_t *pixel) {
     const json_t *size = json_object_get(pixel, "size"), *at = json_object_get(pixel, "pixel"),
                  *rays = json_object_get(pixel, "rays");
     const int samples = whole_of(pixel, "samples");
-    fprintf(out, "pixel %d,%d of %s, %dx%d, %d sample%s, depth %d, %s\n", (int)json_integer_value(json_array_get(at, 0)),
-            (int)json_integer_value(json_array_get(at, 1)), text_of(pixel, "scene"),
-            (int)json_integer_value(json_array_get(size, 0)), (int)json_integer_value(json_array_get(size, 1)), samples,
-            samples == 1 ? "" : "s", whole_of(pixel, "depth"), text_of(pixel, "level"));
+    fprintf(out, "pixel %d,%d of %s, %dx%d, %d sample%s, depth %d, %s\n",
+            (int)json_integer_value(json_array_get(at, 0)), (int)json_integer_value(json_array_get(at, 1)),
+            text_of(pixel, "scene"), (int)json_integer_value(json_array_get(size, 0)),
+            (int)json_integer_value(json_array_get(size, 1)), samples, samples == 1 ? "" : "s",
+            whole_of(pixel, "depth"), text_of(pixel, "level"));
     fputs("colour ", out);
     print_colour(out, json_object_get(pixel, "colour"));
     fprintf(out, "; rays: %d eye, %d reflection, %d transmission, %d shadow\n", whole_of(rays, "eye"),

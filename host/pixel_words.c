@@ -39,7 +39,8 @@ static void print_place(FILE *out, const json_t *object) {
 
 static void print_one(FILE *out, const json_t *object, const char *list, bool with_place) {
     const json_t *triangle = json_object_get(object, "triangle");
-    fprintf(out, "%s[%d] %s", list, (int)json_integer_value(json_object_get(object, "number")), text_of(object, "shape"));
+    fprintf(out, "%s[%d] %s", list, (int)json_integer_value(json_object_get(object, "number")),
+            text_of(object, "shape"));
     if (triangle)
         fprintf(out, ", triangle %" JSON_INTEGER_FORMAT, json_integer_value(triangle));
     if (with_place)
@@ -83,41 +84,68 @@ static void print_part(FILE *out, const json_t *part) {
 
 /* ---- what is missing ---- */
 
-/* Why a light adds nothing. */
-static void print_missing_light(FILE *out, const json_t *light) {
+/* Why a light adds nothing, by its code; what follows "lights[0] ". */
+static const char *reason_of(const char *code) {
     static const char *const reasons[][2] = {
-        {"no shadows", "adds nothing"},
-        {"at the light", "is at the point itself"},
-        {"grazing", "lies in the surface's plane"},
-        {"behind", "is behind the surface, where the material transmits no light"},
-        {"total reflection", "is behind the surface, which reflects totally"},
-        {"outside the highlight", "is outside the highlight, and there is no diffuse"},
-        {"coefficients", "finds no coefficient that is not 0"},
+        {"at the light", "at the point itself"},
+        {"grazing", "in the surface's plane"},
+        {"behind", "behind the surface, where the material transmits no light"},
+        {"total reflection", "behind the surface, which reflects totally"},
+        {"outside the highlight", "outside the highlight, and there is no diffuse"},
+        {"coefficients", "where the material's coefficients for it are 0"},
     };
-    const json_t *feeler = json_object_get(light, "feeler"), *blocker = json_object_get(feeler, "blocked_by");
-    const char *code = text_of(light, "no_feeler"), *said = "adds nothing";
-    fprintf(out, "lights[%d] ", (int)json_integer_value(json_object_get(light, "light")));
-    if (json_is_object(blocker)) {
-        fputs("is blocked by ", out);
-        print_object(out, blocker, false);
-        return;
-    }
     for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
         if (strcmp(code, reasons[i][0]) == 0)
-            said = reasons[i][1];
-    fputs(said, out);
+            return reasons[i][1];
+    return "where no light is left of its highlight";
 }
 
-static bool print_missing_lights(FILE *out, const json_t *ray, bool some) {
+static bool is_blocked(const json_t *light) {
+    return json_is_object(json_object_get(json_object_get(light, "feeler"), "blocked_by"));
+}
+
+static void print_reason(FILE *out, const json_t *light) {
+    if (!is_blocked(light)) {
+        fputs(reason_of(text_of(light, "no_feeler")), out);
+        return;
+    }
+    fputs("blocked by ", out);
+    print_object(out, json_object_get(json_object_get(light, "feeler"), "blocked_by"), false);
+}
+
+/* The numbers of the lights that add nothing by each reason, as in "0,2,3". NULL: out of memory. */
+static json_t *group_by_reason(const json_t *lights, bool only_blocked) {
+    json_t *light, *groups = json_object();
     size_t i;
-    json_t *light, *lights = json_object_get(json_object_get(ray, "local"), "lights");
     json_array_foreach(lights, i, light) {
-        if (!is_zero(json_object_get(light, "colour")))
+        char *reason = NULL;
+        size_t size;
+        if (!is_zero(json_object_get(light, "colour")) || (only_blocked && !is_blocked(light)))
             continue;
-        fputs(some ? "; " : "", out);
-        print_missing_light(out, light);
+        FILE *out = open_memstream(&reason, &size);
+        if (!out)
+            break;
+        print_reason(out, light);
+        if (fclose(out) == 0) {
+            const char *before = json_string_value(json_object_get(groups, reason));
+            json_object_set_new(groups, reason,
+                                json_sprintf("%s%s%d", before ? before : "", before ? "," : "",
+                                             (int)json_integer_value(json_object_get(light, "light"))));
+        }
+        free(reason);
+    }
+    return groups;
+}
+
+static bool print_missing_lights(FILE *out, const json_t *ray, bool only_blocked, bool some) {
+    const char *reason;
+    json_t *numbers, *groups = group_by_reason(json_object_get(json_object_get(ray, "local"), "lights"), only_blocked);
+    json_object_foreach(groups, reason, numbers) {
+        const char *list = json_string_value(numbers);
+        fprintf(out, "%slights[%s] %s %s", some ? "; " : "", list, strchr(list, ',') ? "are" : "is", reason);
         some = true;
     }
+    json_decref(groups);
     return some;
 }
 
@@ -161,7 +189,7 @@ static void print_lack(FILE *out, const json_t *pixel, const json_t *ray) {
         fputs(is_zero(json_object_get(pixel, "ambient")) ? "there is no ambient light" : "it has no ambient", out);
     if (json_array_size(json_object_get(pixel, "lights")) == 0)
         fprintf(out, "%sthe scene has no lights", some ? "; " : "");
-    print_missing_lights(out, ray, some);
+    print_missing_lights(out, ray, false, some);
     print_unsent(out, pixel, ray);
 }
 
@@ -187,7 +215,7 @@ static void add_lacks(json_t *sentences, const json_t *pixel, const json_t *ray,
     } else if (json_is_object(json_object_get(ray, "hit"))) {
         char *lights = NULL;
         FILE *missing = open_memstream(&lights, &size);
-        bool some = missing && print_missing_lights(missing, ray, false);
+        bool some = missing && print_missing_lights(missing, ray, true, false);
         if (missing && fclose(missing) == 0 && some) {
             print_object(out, json_object_get(ray, "hit"), false);
             fprintf(out, ": %s", lights);
@@ -248,13 +276,13 @@ json_t *words_json(const json_t *pixel) {
     size_t i;
     json_t *one, *lines = json_array(), *sentences = json_object(), *parts = json_object_get(pixel, "made_of");
     double colour[3] = {0, 0, 0};
-    json_array_foreach(parts, i, one) for (size_t k = 0; k < 3; k++)
-        colour[k] += channel(json_object_get(one, "colour"), k);
+    json_array_foreach(parts, i, one) for (size_t k = 0; k < 3; k++) colour[k] +=
+        channel(json_object_get(one, "colour"), k);
     const bool black = colour[0] < darkest && colour[1] < darkest && colour[2] < darkest;
     json_array_foreach(json_object_get(pixel, "trees"), i, one) add_lacks(sentences, pixel, one, black);
     if (!black)
         add_parts(lines, parts);
-    add_sentences(lines, black ? "black, because" : "adds nothing", sentences);
+    add_sentences(lines, black ? "black, because" : "in shadow", sentences);
     json_decref(sentences);
     return lines;
 }

@@ -59,7 +59,7 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
     used = (size_t)snprintf(
         text, size,
         "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DONE_PACKET=%d -DSTACK=%d -DMEDIA=%d",
-        s->lanes, rays, s->pixels[0], s->pixels[1], eyes <= rays, stack_size(s), n.media);
+        s->lanes, rays, s->pixels[0], s->pixels[1], eyes <= rays && !n.notes, stack_size(s), n.media);
     if (n.width != WIDTH)
         used += (size_t)snprintf(text + used, size - used, " -DWIDTH=%d", n.width);
     if (s->level == FEELER_REFERENCE)

@@ -11,7 +11,7 @@ static const struct {
     size_t element; /* bytes, in double */
     bool is_real;
 } kinds[NOTE_ARRAYS] = {
-    {sizeof(ray_note), true},   {sizeof(ray_tags), false},     {sizeof(light_note), true},
+    {sizeof(ray_note), true},    {sizeof(ray_tags), false},     {sizeof(light_note), true},
     {sizeof(light_tags), false}, {sizeof(crossing_note), true}, {sizeof(crossing_tags), false},
 };
 

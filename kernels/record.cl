@@ -83,8 +83,7 @@ void add_crossing(notebook *n, uint kind, real distance, uint4 met) {
 }
 
 void note_crossing(notebook *n, uint kind, const hit *h, uint material, ints entering) {
-    add_crossing(n, kind, h->distance,
-                 (uint4)(h->primitive, inside_of(h), material, entering ? NOTED_ENTERING : 0));
+    add_crossing(n, kind, h->distance, (uint4)(h->primitive, inside_of(h), material, entering ? NOTED_ENTERING : 0));
 }
 
 // What the last crossing left of a feeler's light.
@@ -182,7 +181,8 @@ void note_light(const notebook *n, vectors direction, real distance, ints active
         return;
     light_at(n)->direction = real4_of(direction, distance);
     light_at(n)->diffuse.w = cosine;
-    light_tags_at(n)->at.z = cosine > 0 && side > 0 ? LIGHT_FRONT : (cosine < 0 && side < 0 ? LIGHT_BACK : LIGHT_NEITHER);
+    light_tags_at(n)->at.z =
+        cosine > 0 && side > 0 ? LIGHT_FRONT : (cosine < 0 && side < 0 ? LIGHT_BACK : LIGHT_NEITHER);
 }
 
 void note_terms(const notebook *n, vectors diffuse, vectors specular, real shine, real highlight) {

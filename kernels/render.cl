@@ -90,8 +90,8 @@ kernel void record_pixel(SCENE_PARAMETERS, global const view *views, global cons
                          global ray_tags *tags_of_rays, global light_note *notes_of_lights,
                          global light_tags *tags_of_lights, global crossing_note *notes_of_crossings,
                          global crossing_tags *tags_of_crossings, const uint4 room, global uint4 *counts) {
-    notebook notes = {notes_of_rays,      tags_of_rays,      notes_of_lights, tags_of_lights,
-                      notes_of_crossings, tags_of_crossings, room};
+    notebook notes = {notes_of_rays,     tags_of_rays, notes_of_lights, tags_of_lights, notes_of_crossings,
+                      tags_of_crossings, room};
     scene s = SCENE_ARGUMENTS;
     s.notes = &notes;
     notes.sample = -1;

@@ -144,8 +144,8 @@ typedef struct {
  * shares' (rho_rg, rho_tg as they apply here) and the normals' is 0. `lit` is I_local; `reflection` and `transmission` are
  * the weights that are sent on, or would be. */
 typedef struct {
-    real4 origin, direction, weight, point, normal, shading, reflected, transmitted, ambient, emission, lit,
-        background, reflection_share, transmission_share, reflection, transmission;
+    real4 origin, direction, weight, point, normal, shading, reflected, transmitted, ambient, emission, lit, background,
+        reflection_share, transmission_share, reflection, transmission;
 } ray_note;
 
 #define RAY_EYE 0u

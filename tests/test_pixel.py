@@ -15,6 +15,7 @@ from shapes import unit
 import feeler
 
 Json = dict[str, Any]
+NO_LIGHT = {"point": [0, 0, 99], "colour": 0}  # or there would be kernels without shadows
 TOLERANCE = 2e-6  # of a float near 1, a few operations deep
 
 
@@ -24,9 +25,13 @@ def near(value: Any) -> Any:
 
 def pixel(description: Json, eye: Any, look_at: Any, **settings: Any) -> Json:
     """The tree of the one pixel of a picture that looks along a line, by the kernel that serves all these scenes."""
+    return look(description, eye, look_at, **settings).tree
+
+
+def look(description: Json, eye: Any, look_at: Any, depth: int = 4, **settings: Any) -> feeler.Pixel:
     view = {"eye": list(eye), "look_at": list(look_at), "up": [1, 0, 0], "fov": 1}
-    scene = feeler.Scene({"camera": view, "image": {"size": [1, 1]}, **description})
-    return scene.pixel(0, 0, general=True, **settings).tree
+    scene = feeler.Scene({"camera": view, "image": {"size": [1, 1]}, "lights": [NO_LIGHT], **description})
+    return scene.pixel(0, 0, depth=depth, general=True, **settings)
 
 
 def rays(tree: Json) -> Iterator[Json]:
@@ -122,8 +127,7 @@ def test_what_is_not_sent(settings: Json, why: str) -> None:
 def test_why_is_it_black() -> None:
     """In words: every reason, and nothing that is no reason."""
     dark = {**CEILING, "ambient": 0, "lights": CEILING["lights"][1:]}
-    view = feeler.Scene({"camera": {"eye": [0, 0, 0], "look_at": [0, 0, -1], "fov": 1}, "image": {"size": [1, 1]}, **dark})
-    told = view.pixel(0, 0, general=True)
+    told = look(dark, (0, 0, 0), (0, 0, -1))
     assert told.colour == (0, 0, 0)
     heading, first, second = told.words
     assert heading == "black, because"
@@ -189,7 +193,7 @@ def test_hidden_and_touching_boundaries() -> None:
 
     media = {"water": {"transmission": 1, "ior": 1.25, "priority": 2}, "ice": {"transmission": 1, "ior": 1.5}}
     objects = [layer(-4, 0, "water"), layer(-3, -2, "ice"), layer(-5, -4, "ice")]
-    found = pixel({"materials": media, "objects": objects}, (0, 0, 1), (0, 0, 0), depth=9)
+    found = pixel({"materials": media, "objects": objects}, (0, 0, 1), (0, 0, 0))
     first, second, third, last = all_rays(found)
     assert [(one["object"]["number"], one["entering"]) for one in second["passed"]] == [(1, True), (1, False)]
     assert [one["distance"] for one in second["passed"]] == near([2, 3])
@@ -202,8 +206,8 @@ def test_hidden_and_touching_boundaries() -> None:
 
 LIGHTS: list[Json] = [
     {"point": [3, 5, 4], "diffuse": [0.5, 0.6, 0.4], "specular": [0.6, 0.5, 0.4], "ambient": [0.1, 0, 0.05]},
-    {"directional": [-1, 2, 1], "diffuse": 0.3, "specular": 0.2},
-    {"point": [-1, -3, -4], "diffuse": 0.4, "specular": 0.5},
+    {"directional": [-1, -2, 1], "diffuse": 0.3, "specular": 0.2},
+    {"point": [-1, 3, -4], "diffuse": 0.4, "specular": 0.5},
 ]
 MATERIALS: Json = {
     "floor": {"ambient": 0.2, "diffuse": [0.4, 0.5, 0.3], "specular": 0.2, "reflection": 0.3},
@@ -257,13 +261,13 @@ def check_terms(ray: Json) -> None:
     for number, light in enumerate(local["lights"]):
         assert light["light"] == number
         source = LIGHTS[number]
-        towards = np.array(source["directional"] if "directional" in source else np.subtract(source["point"], hit["point"]), float)
+        towards = -np.array(source["directional"]) if "directional" in source else np.subtract(source["point"], hit["point"])
         assert light["direction"] == near(unit(towards))
         cosine = np.dot(light["direction"], n)
         assert light["cosine"] == near(cosine)
         assert (light["distance"] is None) == ("directional" in source)
-        back = light["side"] == "back"
-        assert light["side"] == ("front" if cosine > 0 else "back") or abs(np.dot(light["direction"], hit["normal"])) < 0.5
+        front, back = [sign * cosine > 0 and sign * np.dot(light["direction"], hit["normal"]) > 0 for sign in (1, -1)]
+        assert light["side"] == ("front" if front else "back" if back else "neither")
         way = hit["transmitted"] if back else 2 * np.dot(v, n) * n - v
         share = np.array(light["feeler"]["share"] if light["feeler"] else [0, 0, 0])
         diffuse = coefficient("diffuse_transmission" if back else "diffuse") * source["diffuse"] * abs(cosine) * share
@@ -289,11 +293,11 @@ def check_sent(ray: Json) -> None:
             child = sent["ray"]
             assert child["weight"] == sent["weight"] and child["level"] == ray["level"] + 1 and child["kind"] == way
             assert child["direction"] == ray["hit"]["reflected" if way == "reflection" else "transmitted"]
-            assert np.linalg.norm(np.subtract(child["origin"], ray["hit"]["point"])) < 1e-4
+            assert child["origin"] == pytest.approx(ray["hit"]["point"], rel=1e-5, abs=1e-5)
             colour = colour + np.multiply(sent["share"], child["colour"])
     assert ray["colour"] == near(colour)
     assert np.add(ray["origin"], np.multiply(ray["hit"]["distance"], ray["direction"])) == pytest.approx(
-        np.array(ray["hit"]["point"]), abs=1e-5
+        np.array(ray["hit"]["point"]), rel=1e-6, abs=1e-5
     )
 
 
@@ -360,6 +364,7 @@ def test_a_scene_far_away_and_instances(tmp_path: Path) -> None:
         "camera: {eye: [1000000, 0, 2000010], look_at: [1000000, 0, 2000000], fov: 1}\n"
         "image: {size: [1, 1]}\n"
         "ambient: 1\n"
+        "lights: [{point: [0, 0, 0], colour: 0}]\n"
         "materials: {red: {ambient: [1, 0, 0]}}\n"
         "groups:\n"
         "  two:\n"
@@ -370,12 +375,12 @@ def test_a_scene_far_away_and_instances(tmp_path: Path) -> None:
         "  - instance: two\n"
         "    transform: [{scale: 2}, {translate: [1000000, 0, 2000000]}]\n"
     )
-    hit = feeler.load(tmp_path / "far.yaml").pixel(0, 0, general=True).tree["trees"][0]["hit"]
+    hit = feeler.load(tmp_path / "far.yaml").pixel(0, 0, depth=4, general=True).tree["trees"][0]["hit"]
     assert hit["point"] == pytest.approx([1000000, 0, 2000002], abs=1e-4)
     assert (hit["object"]["number"], hit["object"]["shape"]) == (1, "instance")
-    assert hit["object"]["place"] == f"{tmp_path / 'far.yaml'}:11:5"
+    assert hit["object"]["place"] == f"{tmp_path / 'far.yaml'}:12:5"
     assert (hit["object"]["inside"]["number"], hit["object"]["inside"]["shape"]) == (1, "sphere")
-    assert hit["object"]["inside"]["place"] == f"{tmp_path / 'far.yaml'}:8:8"
+    assert hit["object"]["inside"]["place"] == f"{tmp_path / 'far.yaml'}:9:8"
 
 
 def test_filtered_feelers() -> None:
