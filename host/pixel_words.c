@@ -272,6 +272,22 @@ static void add_parts(json_t *lines, const json_t *parts) {
         json_array_append_new(lines, json_sprintf("  and %d more", (int)(all - MOST_LINES)));
 }
 
+/* What more there might have been. */
+static void add_unsent(json_t *lines, const json_t *pixel) {
+    char *text = NULL;
+    size_t size;
+    const json_t *weight = json_object_get(pixel, "discarded_weight");
+    FILE *out = is_zero(weight) ? NULL : open_memstream(&text, &size);
+    if (!out)
+        return;
+    fputs("not sent, by depth or cutoff: rays that weigh ", out);
+    print_colour(out, weight);
+    fputs(" together", out);
+    if (fclose(out) == 0)
+        json_array_append_new(lines, json_string(text));
+    free(text);
+}
+
 json_t *words_json(const json_t *pixel) {
     size_t i;
     json_t *one, *lines = json_array(), *sentences = json_object(), *parts = json_object_get(pixel, "made_of");
@@ -283,6 +299,7 @@ json_t *words_json(const json_t *pixel) {
     if (!black)
         add_parts(lines, parts);
     add_sentences(lines, black ? "black, because" : "in shadow", sentences);
+    add_unsent(lines, pixel);
     json_decref(sentences);
     return lines;
 }

@@ -122,6 +122,7 @@ def test_what_is_not_sent(settings: Json, why: str) -> None:
     assert (ray["reflection"]["sent"], ray["reflection"]["unsent"]) == (False, why)
     assert ray["reflection"]["weight"] == near(SHARE) and found["discarded_weight"] == near(SHARE)
     assert found["words"][0] == "black, because"
+    assert found["words"][-1] == "not sent, by depth or cutoff: rays that weigh 0.9 0.8 0.7 together"
 
 
 def test_why_is_it_black() -> None:
