@@ -8,7 +8,7 @@
 typedef struct program {
     cl_program program;
     cl_kernel render, find_eye_media; /* render: or the entry point that was asked for in its place */
-    double seconds; /* to build; a device may compile more at the first launch */
+    double seconds;                   /* to build; a device may compile more at the first launch */
 } program;
 
 /* Settings with every blank filled in from the scene, checked. */

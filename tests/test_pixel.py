@@ -189,6 +189,7 @@ def test_total_reflection_from_within() -> None:
 
 def test_hidden_and_touching_boundaries() -> None:
     """Ice in water is not there for the eye where the water's priority is higher; what touches is one boundary."""
+
     def layer(low: float, high: float, name: str) -> Json:
         return {"box": {"low": [-9, -9, low], "high": [9, 9, high]}, "material": name}
 
@@ -258,11 +259,15 @@ def check_terms(ray: Json) -> None:
         return
     ambient = 0.3 + np.array([0.1, 0, 0.05])
     total = coefficient("ambient") * ambient + coefficient("emission")
-    assert local["ambient"] == near(coefficient("ambient") * ambient) and local["emission"] == near(coefficient("emission"))
+    assert local["ambient"] == near(coefficient("ambient") * ambient) and local["emission"] == near(
+        coefficient("emission")
+    )
     for number, light in enumerate(local["lights"]):
         assert light["light"] == number
         source = LIGHTS[number]
-        towards = -np.array(source["directional"]) if "directional" in source else np.subtract(source["point"], hit["point"])
+        towards = (
+            -np.array(source["directional"]) if "directional" in source else np.subtract(source["point"], hit["point"])
+        )
         assert light["direction"] == near(unit(towards))
         cosine = np.dot(light["direction"], n)
         assert light["cosine"] == near(cosine)
@@ -351,7 +356,9 @@ def test_all_sides_and_terms_were_met(world: feeler.Scene) -> None:
     assert any(light["feeler"] and light["feeler"]["blocked_by"] for light in lights)
     shapes = {ray["hit"]["object"]["shape"] for ray in told if ray["hit"]}
     assert shapes == {"plane", "mesh", "disc", "instance"}
-    inside = {ray["hit"]["object"]["inside"]["shape"] for ray in told if ray["hit"] and "inside" in ray["hit"]["object"]}
+    inside = {
+        ray["hit"]["object"]["inside"]["shape"] for ray in told if ray["hit"] and "inside" in ray["hit"]["object"]
+    }
     assert inside == {"sphere", "cone"}
     assert any(ray["hit"]["normal"] != ray["hit"]["shading"] for ray in told if ray["hit"])
 
@@ -466,7 +473,9 @@ def test_bad_calls(cli: Any, scene_file: Path, name: str) -> None:
     assert done.returncode == code and message in done.stderr and done.stdout == ""
 
 
-@pytest.mark.parametrize(("arguments", "message"), [((-1, 0), "x is a whole"), ((0.5, 0), "x is a whole"), ((0, 3), "not in the")])
+@pytest.mark.parametrize(
+    ("arguments", "message"), [((-1, 0), "x is a whole"), ((0.5, 0), "x is a whole"), ((0, 3), "not in the")]
+)
 def test_bad_calls_of_python(scene_file: Path, arguments: Any, message: str) -> None:
     with pytest.raises(feeler.Error, match=message):
         feeler.load(scene_file).pixel(*arguments)

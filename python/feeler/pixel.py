@@ -11,11 +11,11 @@ from ._library import Error, call, lib, take_text
 
 
 class Pixel:
-    """All that the rays of one pixel do, as `Scene.pixel` finds it. `print` it; in a notebook it shows itself as a drawing.
+    """All that the rays of one pixel do, as `Scene.pixel` finds it. `print` it; in a notebook it is a drawing.
 
     Attributes:
-        tree: a dict, as `feeler pixel --json` writes it (docs/command-line.md): `trees` has each sample's eye ray with what
-            it meets, the terms of the light there and the rays that it sends on; `made_of` the terms of the colour.
+        tree: a dict, as `feeler pixel --json` writes it (docs/command-line.md): `trees` has each sample's eye ray with
+            what it meets, the terms of the light there and the rays that it sends on; `made_of` what the colour is of.
         colour: red, green and blue as in a picture.
         words: why the pixel has its colour, in lines.
     """

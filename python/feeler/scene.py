@@ -134,7 +134,6 @@ class Scene:
         reporter.raise_caught(image)
         return image
 
-
     def pixel(
         self,
         x: int,
@@ -151,7 +150,7 @@ class Scene:
         device: str | int | None = None,
         general: bool = False,
     ) -> Pixel:
-        """All that the rays of one pixel do: what each meets, what lights it, what is sent on. "Why is this pixel black?"
+        """All that the rays of one pixel do: what each meets, what lights it, what is sent on. "Why is it black?"
 
         The kernels that render a picture take notes, so this is what led to the picture's pixel, to the bit.
 
