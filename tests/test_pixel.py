@@ -143,6 +143,49 @@ def test_why_is_it_black() -> None:
     assert text.endswith("\n".join(told.words))
 
 
+def test_the_nearest_blocker_counts() -> None:
+    """Not whichever is found first, and none that lies beyond the light."""
+    heights = [7, 4, 9, 3, 8, 2, 6, 5, 12, 2.5, 30, 11]
+    objects = [{"plane": {"normal": [0, 1, 0]}, "material": {"diffuse": 1}}]
+    objects += [
+        {"disc": {"centre": [0, h, 0], "normal": [0, 1, 0], "radius": 3}, "material": {"diffuse": 1}} for h in heights
+    ]
+    objects += [{"plane": {"point": [0, 9.5, 0], "normal": [0, -1, 0]}, "material": {"diffuse": 1}}]  # asked first
+    lights = [{"point": [0, 10, 0]}, {"point": [0, 1.5, 0]}, {"directional": [0, -1, 0]}]
+    found = pixel({"lights": lights, "objects": objects}, (0.5, 1, 0), (0, 0, 0))
+    far, near_by, endless = found["trees"][0]["local"]["lights"]
+    for light in (far, endless):
+        assert light["feeler"]["blocked_by"]["object"]["number"] == 1 + heights.index(2)
+        assert light["feeler"]["blocked_by"]["distance"] == near(2)
+    assert near_by["feeler"]["blocked_by"] is None and near_by["diffuse"] == near([1, 1, 1])
+    assert (far["feeler"]["length"], endless["feeler"]["length"]) == (near(10), None)
+
+
+GLOSS = {"plane": {"normal": [0, 1, 0]}, "material": {"specular": 1}}
+
+
+@pytest.mark.parametrize(
+    ("eye", "light", "why"),
+    [
+        ((3, 4, 0), {"point": [10, 5, 0]}, "outside the highlight"),
+        ((3, 4, 0), {"point": [-3, 4, 0], "specular": 0}, "coefficients"),
+        ((0, 4, 0), {"point": [5, 0, 0]}, "grazing"),
+        ((0, 4, 0), {"point": [0, 0, 0]}, "at the light"),
+        ((0, 4, 0), {"point": [0, -1, 0]}, "behind"),
+    ],
+)
+def test_why_no_feeler_is_sent(eye: Any, light: Json, why: str) -> None:
+    (told,) = pixel({"lights": [light], "objects": [GLOSS]}, eye, (0, 0, 0))["trees"][0]["local"]["lights"]
+    assert (told["feeler"], told["no_feeler"], told["colour"]) == (None, why, [0, 0, 0])
+
+
+def test_without_shadows_there_are_no_feelers() -> None:
+    scene = {"shadows": False, "lights": [{"point": [-3, 4, 0]}], "objects": [GLOSS]}
+    (told,) = pixel(scene, (3, 4, 0), (0, 0, 0))["trees"][0]["local"]["lights"]
+    assert (told["feeler"], told["no_feeler"], told["highlight"]) == (None, "no shadows", near(1))
+    assert told["specular"] == told["colour"] == near([1, 1, 1])
+
+
 # ---- glass
 
 GLASS = {"glass": {"transmission": 0.9, "reflection": 0.25, "ior": 1.5}}
@@ -171,6 +214,17 @@ def test_through_a_glass_sphere() -> None:
     assert inside["reflection"]["weight"] == near([0.225] * 3)
     assert found["colour"] == near(0.81 * BACKGROUND) and found["discarded_weight"] == near([0.475] * 3)
     assert [part["term"] for part in found["made_of"]] == ["background"]
+
+
+@pytest.mark.parametrize("alpha", [False, True])
+def test_nothing_is_met(alpha: bool) -> None:
+    """Pixels that a picture passes over have their ray, too."""
+    ball = {"materials": GLASS, "objects": [{"sphere": {"radius": 1}, "material": "glass"}]}
+    found = pixel({**ball, "background": BACKGROUND.tolist()}, (0, 0, 5), (0, 0, 6), alpha=alpha)
+    (ray,) = all_rays(found)
+    shown = 0 * BACKGROUND if alpha else BACKGROUND
+    assert ray["hit"] is None and ray["adds"] == near(shown) and found["colour"] == near(shown) and found["alpha"] == 0
+    assert ("the eye ray meets nothing, and the background is left out" in "".join(found["words"])) == alpha
 
 
 def test_total_reflection_from_within() -> None:
@@ -354,12 +408,12 @@ def test_all_sides_and_terms_were_met(world: feeler.Scene) -> None:
     assert terms == {"diffuse", "specular", "diffuse_transmission", "specular_transmission"}
     assert {light["side"] for light in lights} >= {"front", "back"}
     assert any(light["feeler"] and light["feeler"]["blocked_by"] for light in lights)
-    shapes = {ray["hit"]["object"]["shape"] for ray in told if ray["hit"]}
-    assert shapes == {"plane", "mesh", "disc", "instance"}
-    inside = {
-        ray["hit"]["object"]["inside"]["shape"] for ray in told if ray["hit"] and "inside" in ray["hit"]["object"]
-    }
-    assert inside == {"sphere", "cone"}
+    met = [ray["hit"]["object"] for ray in told if ray["hit"]]
+    assert {(one["number"], one["shape"]) for one in met} == {(0, "plane"), (1, "mesh"), (2, "disc"), (3, "instance")}
+    inside = {(one["inside"]["number"], one["inside"]["shape"]) for one in met if "inside" in one}
+    assert inside == {(0, "sphere"), (1, "cone")}
+    triangles = {one["triangle"] for one in met if "triangle" in one}
+    assert len(triangles) > 2 and triangles <= set(range(6))
     assert any(ray["hit"]["normal"] != ray["hit"]["shading"] for ray in told if ray["hit"])
 
 
