@@ -138,13 +138,16 @@ RENDER_PICTURE = $(BUILD)/feeler render $< -o $@ --size 640x480 --samples 16
 .SECONDARY: $(GENERATED:%=$(BUILD)/scenes/%.yaml)
 .PHONY: gallery
 gallery: ready ## render every scene into build/gallery/, and the pictures of the documentation
-	@$(MAKE) --no-print-directory docs/gallery.png docs/first.jpg
+	@$(MAKE) --no-print-directory docs/gallery.png docs/first.jpg docs/pixel.svg
 
 docs/gallery.png: $(PICTURES) scenes/contact_sheet.py
 	$(VENV)/bin/python scenes/contact_sheet.py $@ $(BUILD)/gallery
 
 docs/first.jpg: scenes/first.yaml $(PROGRAM)
 	$(BUILD)/feeler render $< -o $@ --samples 16
+
+docs/pixel.svg: scenes/first.yaml $(PROGRAM)
+	$(BUILD)/feeler pixel $< 400 300 --samples 1 --svg $@ > /dev/null
 
 $(BUILD)/gallery/%.png: scenes/%.yaml $(PROGRAM) | $(BUILD)/gallery
 	$(RENDER_PICTURE)

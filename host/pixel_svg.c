@@ -137,7 +137,10 @@ static void print_box(FILE *out, double x, double y, const json_t *ray) {
     fprintf(out, "<rect x='%g' y='%g' width='20' height='%d' class='swatch' fill='rgb(%d,%d,%d)'/>\n", x + 6, y + 6,
             HEIGHT_OF_BOX - 12, srgb(colour, 0), srgb(colour, 1), srgb(colour, 2));
     x += 34;
-    snprintf(title, sizeof title, "%s ray %d", text_of(ray, "kind"), whole_of(ray, "number"));
+    if (whole_of(ray, "level") == 1)
+        snprintf(title, sizeof title, "eye ray %d, sample %d", whole_of(ray, "number"), whole_of(ray, "sample"));
+    else
+        snprintf(title, sizeof title, "%s ray %d", text_of(ray, "kind"), whole_of(ray, "number"));
     print_text(out, x, y + 17, "title", title, LETTERS);
     print_about(out, x, y + 33, "plain", "weight ", json_object_get(ray, "weight"), print_colour);
     if (!met) {
