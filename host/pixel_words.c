@@ -88,7 +88,7 @@ static void print_part(FILE *out, const json_t *part) {
 static const char *reason_of(const char *code) {
     static const char *const reasons[][2] = {
         {"at the light", "at the point itself"},
-        {"grazing", "in the surface's plane"},
+        {"grazing", "grazing the surface, on neither of its sides"},
         {"behind", "behind the surface, where the material transmits no light"},
         {"total reflection", "behind the surface, which reflects totally"},
         {"outside the highlight", "outside the highlight, and there is no diffuse"},

@@ -159,6 +159,9 @@ def test_the_nearest_blocker_counts() -> None:
         assert light["feeler"]["blocked_by"]["distance"] == near(2)
     assert near_by["feeler"]["blocked_by"] is None and near_by["diffuse"] == near([1, 1, 1])
     assert (far["feeler"]["length"], endless["feeler"]["length"]) == (near(10), None)
+    heading, shadow = found["words"][-2:]
+    assert heading == "in shadow"
+    assert shadow.startswith("  objects[0] plane") and "lights[0,2] are blocked by objects[6] disc" in shadow
 
 
 GLOSS = {"plane": {"normal": [0, 1, 0]}, "material": {"specular": 1}}
