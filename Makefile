@@ -28,7 +28,7 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -l$(EMBREE) -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
-  polygon.cl cone.cl count.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl passage.cl margin.cl optics.cl media.cl phong.cl camera.cl trace.cl \
+  polygon.cl cone.cl count.cl record.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl passage.cl margin.cl optics.cl media.cl phong.cl camera.cl trace.cl \
   pixel.cl render.cl survey.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
@@ -138,13 +138,16 @@ RENDER_PICTURE = $(BUILD)/feeler render $< -o $@ --size 640x480 --samples 16
 .SECONDARY: $(GENERATED:%=$(BUILD)/scenes/%.yaml)
 .PHONY: gallery
 gallery: ready ## render every scene into build/gallery/, and the pictures of the documentation
-	@$(MAKE) --no-print-directory docs/gallery.png docs/first.jpg
+	@$(MAKE) --no-print-directory docs/gallery.png docs/first.jpg docs/pixel.svg
 
 docs/gallery.png: $(PICTURES) scenes/contact_sheet.py
 	$(VENV)/bin/python scenes/contact_sheet.py $@ $(BUILD)/gallery
 
 docs/first.jpg: scenes/first.yaml $(PROGRAM)
 	$(BUILD)/feeler render $< -o $@ --samples 16
+
+docs/pixel.svg: scenes/first.yaml $(PROGRAM)
+	$(BUILD)/feeler pixel $< 400 300 --samples 1 --svg $@ > /dev/null
 
 $(BUILD)/gallery/%.png: scenes/%.yaml $(PROGRAM) | $(BUILD)/gallery
 	$(RENDER_PICTURE)

@@ -12,6 +12,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 /* Each is given its name as argv[0] and returns the program's exit code. */
 int cmd_render(int argc, char **argv);
 int cmd_info(int argc, char **argv);
+int cmd_pixel(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_devices(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);

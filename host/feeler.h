@@ -217,6 +217,14 @@ FEELER_API int feeler_tuned_keep(const char *stats_json, feeler_error *error);
  * feeler_free. */
 FEELER_API char *feeler_scene_info_json(const feeler_scene *scene, const feeler_settings *settings,
                                         feeler_error *error);
+/* All that the rays of pixel (x, y) do, from the kernels themselves, as JSON text (see docs/command-line.md) to be freed with
+ * feeler_free. `sample`: the one to tell, from 0, or -1 for all. The settings' region, lanes, pixels and work group do not
+ * count. */
+FEELER_API char *feeler_pixel_json(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
+                                   int x, int y, int sample, feeler_error *error);
+/* The same for people, from that JSON text: an indented text, and a drawing as SVG. To be freed with feeler_free. */
+FEELER_API char *feeler_pixel_text(const char *pixel_json, feeler_error *error);
+FEELER_API char *feeler_pixel_svg(const char *pixel_json, feeler_error *error);
 /* The kernels' source, whole, with #line directives. Static. */
 FEELER_API const char *feeler_kernel_source(void);
 /* The build options for a scene and settings; with scene NULL, the general options (every feature) for the level and

@@ -27,6 +27,7 @@ typedef struct slot {
 typedef struct job {
     feeler_device *device;
     feeler_settings settings; /* resolved */
+    bool notes;               /* of all that one pixel's rays do, instead of a picture: see record.h */
     needs needs;
     packed packed;
     upload upload;
@@ -53,6 +54,11 @@ size_t tile_pixels(const tile *tile);
 /* Whether rays are sent on at all: else no weight is unsent and the deepest level is 1. */
 bool sends_rays(const job *job);
 
+/* render.c: packs, uploads and builds for the resolved settings, until the first tile may start. What `progress` stops is
+ * ready only in part. The job is to be closed in any case. */
+int open_job(job *job, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error);
+void close_job(job *job);
+
 /* survey.c: what lies beside the picture. All return 0, or -1 with the error filled. */
 /* Room in the image for the channels that are asked for. */
 int open_channels(job *job, const feeler_scene *scene, feeler_error *error);
@@ -71,13 +77,17 @@ void release_events(slot *slot);
 int find_eye_media(const job *job, feeler_error *error);
 /* The eye is in none. */
 int clear_eye_media(const job *job, feeler_error *error);
-/* Sets the arguments of an entry point that computes a tile, its results being those from `first` to before `end`. */
+/* Sets the arguments of an entry point that computes a tile, its results being those from `first` to before `end`; the
+ * index of the next, or -1. */
 int bind_frame(const job *job, const slot *slot, cl_kernel kernel, int first, int end, feeler_error *error);
 /* Launches a work-item for each block of `pixels` of the slot's tile, after an event or NULL. */
 int enqueue_tile(const job *job, const slot *slot, cl_kernel kernel, const int pixels[2], const int group[2],
                  cl_event *after, cl_event *event, feeler_error *error);
 /* Launches a tile and asks for its results; waits for nothing. */
 int start_tile(const job *job, slot *slot, const tile *tile, feeler_error *error);
+/* Launches the kernel that takes notes for the one pixel of the region, with these arguments besides the usual ones, and waits
+ * for it. */
+int launch_notes(const job *job, const cl_mem *buffers, size_t count, uint4 room, cl_mem counts, feeler_error *error);
 /* How long the launch ran on the device after the one before it had ended; negative where the queue does not tell. To be
  * asked once for each, in their order. */
 double launch_seconds(job *job, const slot *slot);

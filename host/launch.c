@@ -103,7 +103,7 @@ int bind_frame(const job *j, const slot *s, cl_kernel kernel, int first, int end
     status |= clSetKernelArg(kernel, i++, sizeof frame, &frame);
     for (int k = first; k < end; k++)
         status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &s->results[k].buffer);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clSetKernelArg", status);
+    return status == CL_SUCCESS ? (int)i : fail_cl(error, "clSetKernelArg", status);
 }
 
 bool sends_rays(const job *j) {
@@ -170,6 +170,29 @@ int start_tile(const job *j, slot *s, const tile *t, feeler_error *error) {
         return -1;
     cl_int status = clFlush(queue);
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clFlush", status);
+}
+
+int launch_notes(const job *j, const cl_mem *buffers, size_t count, uint4 room, cl_mem counts, feeler_error *error) {
+    const int *r = j->settings.region;
+    slot s = j->slots[0];
+    s.tile = (tile){r[0], r[1], r[2], r[3]};
+    const int first = bind_frame(j, &s, j->program.render, RESULT_PIXELS, RESULT_SURFACES, error);
+    if (first < 0)
+        return -1;
+    cl_kernel kernel = j->program.render;
+    cl_int status = CL_SUCCESS;
+    cl_uint i = (cl_uint)first;
+    for (size_t k = 0; k < count; k++)
+        status |= clSetKernelArg(kernel, i++, sizeof(cl_mem), &buffers[k]);
+    status |= clSetKernelArg(kernel, i++, sizeof room, &room);
+    status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &counts);
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clSetKernelArg", status);
+    const size_t one = 1;
+    status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
+    if (status == CL_SUCCESS)
+        status = clFinish(j->device->queue);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
 }
 
 double launch_seconds(job *j, const slot *s) {

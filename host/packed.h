@@ -74,6 +74,7 @@ typedef struct needs {
     uint32_t features; /* bit i: feature i */
     int media;         /* length of a ray's list of media */
     int width;         /* children of a node, and primitives of a block */
+    bool notes;        /* of all that a pixel's rays do */
 } needs;
 
 /* kernels/media.cl keeps a list per ray; nothing seen in practice nests deeper. */

@@ -59,13 +59,15 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
     used = (size_t)snprintf(
         text, size,
         "-cl-std=CL1.2 -DLANES=%d -DRAYS=%d -DPIXELS_X=%d -DPIXELS_Y=%d -DONE_PACKET=%d -DSTACK=%d -DMEDIA=%d",
-        s->lanes, rays, s->pixels[0], s->pixels[1], eyes <= rays, stack_size(s), n.media);
+        s->lanes, rays, s->pixels[0], s->pixels[1], eyes <= rays && !n.notes, stack_size(s), n.media);
     if (n.width != WIDTH)
         used += (size_t)snprintf(text + used, size - used, " -DWIDTH=%d", n.width);
     if (s->level == FEELER_REFERENCE)
         used += (size_t)snprintf(text + used, size - used, " -DDOUBLE");
     if (s->level == FEELER_DRAFT)
         used += (size_t)snprintf(text + used, size - used, " -DDRAFT");
+    if (n.notes)
+        used += (size_t)snprintf(text + used, size - used, " -DRECORD=1");
     for (int i = 0; i < FEATURE_COUNT; i++)
         used += print_feature(text + used, size - used, (feature)i, has(n.features, (feature)i));
     if (extra)
@@ -75,7 +77,7 @@ char *program_options(const feeler_settings *s, needs n, feeler_error *error) {
 
 char *feeler_kernel_options(const feeler_scene *scene, const feeler_settings *settings, feeler_error *error) {
     feeler_settings s = *settings;
-    needs n = {all_features, MOST_MEDIA, WIDTH};
+    needs n = {all_features, MOST_MEDIA, WIDTH, false};
     if (!scene) {
         s.lanes = s.lanes ? s.lanes : 1;
         s.depth = s.depth ? s.depth : 16;
@@ -157,9 +159,7 @@ static cl_program find_kept(const feeler_device *device, const char *options) {
     return NULL;
 }
 
-/* `second` may be NULL. */
-static int build_kernels(program *p, feeler_device *device, const char *options, const char *first, const char *second,
-                         feeler_error *error) {
+int program_build(program *p, feeler_device *device, const char *options, const char *entry, feeler_error *error) {
     double start = seconds_now();
     cl_int status;
     memset(p, 0, sizeof *p);
@@ -170,9 +170,9 @@ static int build_kernels(program *p, feeler_device *device, const char *options,
             return -1;
         keep(device, options, p->program);
     }
-    p->render = clCreateKernel(p->program, first, &status);
-    if (status == CL_SUCCESS && second)
-        p->find_eye_media = clCreateKernel(p->program, second, &status);
+    p->render = clCreateKernel(p->program, entry, &status);
+    if (status == CL_SUCCESS && strcmp(entry, "survey") != 0)
+        p->find_eye_media = clCreateKernel(p->program, "find_eye_media", &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateKernel", status);
         program_free(p);
@@ -180,14 +180,6 @@ static int build_kernels(program *p, feeler_device *device, const char *options,
     }
     p->seconds = seconds_now() - start;
     return 0;
-}
-
-int program_build(program *p, feeler_device *device, const char *options, feeler_error *error) {
-    return build_kernels(p, device, options, "render", "find_eye_media", error);
-}
-
-int program_build_survey(program *p, feeler_device *device, const char *options, feeler_error *error) {
-    return build_kernels(p, device, options, "survey", NULL, error);
 }
 
 void program_free(program *p) {

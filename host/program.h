@@ -7,9 +7,9 @@
 
 typedef struct program {
     cl_program program;
-    cl_kernel render,
-        find_eye_media; /* of a survey (see survey.c) `render` is its own entry point, and there is no other */
-    double seconds;     /* to build; a device may compile more at the first launch */
+    cl_kernel render;         /* or the entry point that was asked for in its place */
+    cl_kernel find_eye_media; /* NULL for a survey (see survey.c) */
+    double seconds;           /* to build; a device may compile more at the first launch */
 } program;
 
 /* Settings with every blank filled in from the scene, checked. */
@@ -19,10 +19,8 @@ int resolve_settings(const feeler_scene *scene, const feeler_settings *asked, fe
 /* The build options for resolved settings and what a scene needs. To be freed. */
 char *program_options(const feeler_settings *resolved, needs needs, feeler_error *error);
 
-/* Builds, or takes what the device has built before. */
-int program_build(program *program, feeler_device *device, const char *options, feeler_error *error);
-/* The same for the options of a survey. */
-int program_build_survey(program *program, feeler_device *device, const char *options, feeler_error *error);
+/* Builds, or takes what the device has built before. `entry`: "render"; "record_pixel" or "survey" for their options. */
+int program_build(program *program, feeler_device *device, const char *options, const char *entry, feeler_error *error);
 void program_free(program *program);
 
 /* About how much of a CPU thread's stack one work-item takes, in bytes. */

@@ -154,9 +154,12 @@ static size_t slot_room(const job *j) {
     return room > least ? room : least;
 }
 
-static int prepare(job *j, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error) {
+int open_job(job *j, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error) {
     const feeler_settings *s = &j->settings;
+    if (s->level == FEELER_REFERENCE && !j->device->has_double)
+        return fail(error, FEELER_DEVICE, "'%s' has no double precision, which level reference needs", j->device->name);
     j->needs = choose_needs(scene, s);
+    j->needs.notes = j->notes;
     j->options = program_options(s, j->needs, error);
     if (!j->options || pack_scene(&j->packed, scene, s, j->needs, error) < 0)
         return -1;
@@ -167,7 +170,7 @@ static int prepare(job *j, const feeler_scene *scene, feeler_progress progress, 
     bool inside = eye_may_be_inside(&j->packed, view.eye);
     if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
         return -1;
-    if (program_build(&j->program, j->device, j->options, error) < 0 ||
+    if (program_build(&j->program, j->device, j->options, j->notes ? "record_pixel" : "render", error) < 0 ||
         choose_work_group(j->device, &j->program, s, j->needs, j->options, j->group, &j->group_from, error) < 0)
         return -1;
     if (open_survey(j, error) < 0)
@@ -214,15 +217,23 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
     return 0;
 }
 
+void close_job(job *j) {
+    for (int i = 0; i < 2; i++)
+        close_slot(&j->slots[i]);
+    free(j->options);
+    program_free(&j->program);
+    program_free(&j->survey);
+    upload_free(&j->upload);
+    packed_free(&j->packed);
+}
+
 feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
                             feeler_progress progress, void *user, feeler_error *error) {
     double start = seconds_now();
     job j = {.device = device};
     int status = resolve_settings(scene, settings, &j.settings, error);
-    if (status == 0 && j.settings.level == FEELER_REFERENCE && !device->has_double)
-        status = fail(error, FEELER_DEVICE, "'%s' has no double precision, which level reference needs", device->name);
     if (status == 0)
-        status = prepare(&j, scene, progress, user, error);
+        status = open_job(&j, scene, progress, user, error);
     if (status == 0)
         status = (j.image = new_image(&j, scene, error)) ? open_channels(&j, scene, error) : -1;
     if (status == 0)
@@ -235,12 +246,6 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
         feeler_image_free(j.image);
         j.image = NULL;
     }
-    for (int i = 0; i < 2; i++)
-        close_slot(&j.slots[i]);
-    free(j.options);
-    program_free(&j.program);
-    program_free(&j.survey);
-    upload_free(&j.upload);
-    packed_free(&j.packed);
+    close_job(&j);
     return j.image;
 }

@@ -44,7 +44,7 @@ int open_survey(job *j, feeler_error *error) {
              j->settings.channels & FEELER_MARGIN ? " -DMARGIN=1" : "");
     free(plain);
     group_origin chosen;
-    return program_build_survey(&j->survey, j->device, options, error) < 0
+    return program_build(&j->survey, j->device, options, "survey", error) < 0
                ? -1
                : choose_work_group(j->device, &j->survey, &lone, j->needs, options, j->survey_group, &chosen, error);
 }

@@ -86,10 +86,23 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
         const identity id = identify(s, active, &h);
         const vectors passes = GATHER(s->materials, active ? id.material : whole(0), transmission).xyz;
         share = choose(active, mul(share, passes), share);
+        NOTE(if (active) note_crossing(s->notes, CROSSING_FILTER, &h, id.material, 0));
+        NOTE(if (active) note_share(s->notes, share));
         active &= largest(share) > splat(0);
         r = step_beyond(r, &h, active);
     }
     return share;
+}
+#endif
+
+#if RECORD && !HAS_FILTERED_SHADOWS
+// any_hit is content with whichever blocker comes first: this finds the nearest.
+void note_blocker(const scene *s, const ray *feeler, ints active, reals limit) {
+    const hit h = traverse(s, feeler, active, limit, false);
+    if (h.primitive < 0)
+        return;
+    const identity id = identify(s, active, &h);
+    note_crossing(s->notes, CROSSING_BLOCKER, &h, id.material, 0);
 }
 #endif
 
@@ -108,11 +121,13 @@ INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps
     const reals limit = l->is_near ? length * FEELER_SHORT : splat(INFINITY);
     active &= length > splat(0);
     NOTE_FEELER(s, p, l, active, origin, direction, length, limit);
+    NOTE(note_feeler(s->notes, origin, direction, length));
 #if HAS_FILTERED_SHADOWS
     v.share = filter_feeler(s, origin, direction, limit, active);
 #else
     const ray feeler = make_ray(origin, direction);
     v.share = where(active & !any_hit(s, &feeler, active, limit), v.share);
+    NOTE(note_blocker(s, &feeler, active, limit));
 #endif
 #endif
     return v;
@@ -165,6 +180,9 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     }
 #endif
     i.colour = mul(where(sends, sum), v.share);
+    NOTE(note_light(s->notes, direction, sqrt(squared), active, cosine, side));
+    NOTE(note_terms(s->notes, diffuse, specular, shine, shines ? power(min(shine, R(1)), c->shininess) : R(0)));
+    NOTE(note_arrival(s->notes, sends, v.share, i.colour));
     return i;
 }
 
@@ -176,10 +194,12 @@ illumination illuminate_locally(const scene *s, const shade_point *p, vectors am
     sum.feelers = whole(0);
     const vectors ambient = mul(GATHER(s->materials, material, ambient).xyz, ambient_light);
     sum.colour = where(active, add(ambient, GATHER(s->materials, material, emission).xyz));
+    NOTE(note_own(s->notes, ambient, GATHER(s->materials, material, emission).xyz));
     const uint step = FANS ? LANES : 1;
     for (uint i = 0; i < s->count.x; i += step) {
         const uint count = min(s->count.x - i, step);
         const lamps l = load_lamps(s->lights + i, count);
+        NOTE(begin_light(s->notes, i));
 #if FANS
         const illumination all = illuminate(s, p, &c, &l, mask_of_bits((1u << count) - 1));
         for (uint k = 0; k < count; k++)
@@ -191,5 +211,6 @@ illumination illuminate_locally(const scene *s, const shade_point *p, vectors am
         sum.feelers += one.feelers;
 #endif
     }
+    NOTE(end_lights(s->notes));
     return sum;
 }

@@ -38,7 +38,7 @@ INLINE packet make_packet(global const view *camera, global const int *eye_media
 // The trees of the rays through the pixels from (x, y) on, packet after packet.
 INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global const int *eye_media,
                              const launch *frame, uint x, uint y) {
-    const bool nothing = sees_nothing(s, camera, frame->frame, x, y);
+    const bool nothing = !RECORD && sees_nothing(s, camera, frame->frame, x, y);
     tree_sum parts[PACKETS];
     uint packets = 0;
     do {
@@ -87,7 +87,24 @@ NOINLINE void render_pixels(const scene *s, global const view *camera, global co
     }
 }
 
-#if !SURVEY
+#if RECORD
+// One pixel, one work-item: what render_pixels writes, and notes of all that led to it. Of `room` rays, lights and crossings;
+// `counts` is how many there were, and where that is more, some were not kept.
+kernel void record_pixel(SCENE_PARAMETERS, global const view *views, global const int *eye_media, const launch frame,
+                         global real4 *pixels, global uint4 *rays, global real4 *unsent, global ray_note *notes_of_rays,
+                         global ray_tags *tags_of_rays, global light_note *notes_of_lights,
+                         global light_tags *tags_of_lights, global crossing_note *notes_of_crossings,
+                         global crossing_tags *tags_of_crossings, const uint4 room, global uint4 *counts) {
+    notebook notes = {notes_of_rays,     tags_of_rays, notes_of_lights, tags_of_lights, notes_of_crossings,
+                      tags_of_crossings, room};
+    scene s = SCENE_ARGUMENTS;
+    s.notes = &notes;
+    notes.sample = -1;
+    notes.light = NOT_NOTED;
+    render_pixels(&s, views, eye_media, &frame, frame.tile.x, frame.tile.y, pixels, rays, unsent);
+    *counts = notes.count;
+}
+#elif !SURVEY
 // One pixel per work-item, or PIXELS.
 kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, global const view *views,
                                                          global const int *eye_media, const launch frame,
@@ -99,6 +116,7 @@ kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, globa
     const scene s = SCENE_ARGUMENTS;
     render_pixels(&s, views, eye_media, &frame, x, y, pixels, rays, unsent);
 }
+#endif
 
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been
 // entered. One work-item.

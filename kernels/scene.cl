@@ -30,6 +30,9 @@ typedef struct {
   private
     real *margin; // the least so far
 #endif
+#if RECORD
+    notebook *notes; // the last member: entry points that note nothing leave it out
+#endif
 } scene;
 
 // The primitives hit: their material and flags. `instance`: the index of the one that they are in, or -1.

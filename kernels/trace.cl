@@ -13,6 +13,9 @@ typedef struct {
     vectors blur; // what its start may be off by
     real slant;   // and its direction
 #endif
+#if RECORD
+    uint2 sent; // by which ray, and as what
+#endif
 } packet;
 
 // What a tree adds up to for each lane: colour, unsent weight, rays by kind, and the deepest level.
@@ -69,6 +72,7 @@ void merge_touching(const scene *s, const packet *p, ray r, encounter *e, ints a
         e->b.visible &= !active | medium;
         active &= medium;
         e->touched |= active;
+        NOTE(if (active) note_crossing(s->notes, CROSSING_TOUCHING, &h, id.material, dot3(f.normal, p->direction) < 0));
         const boundary both = merge_boundary(s, e->b, id.material, dot3(f.normal, p->direction) < splat(0));
         e->b = choose_boundary(active, both, e->b);
         e->h.distance = active ? h.distance : e->h.distance;
@@ -99,6 +103,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     e.f = find_surface(s, r, &e.h, found, &e.id);
     e.entering = dot3(e.f.normal, p->direction) < splat(0);
     NOTE_SURFACE(s, p, r, &e);
+    NOTE(note_hit(s->notes, &e.h, e.id.material, e.entering));
 #if HAS_TRANSMISSION
     const ints medium = found & transmits(s, e.id.material);
     e.b = cross_boundary(s, &p->in, e.id.material, e.entering);
@@ -141,6 +146,7 @@ INLINE encounter meet_visible(const scene *s, packet *p) {
     encounter e = meet(s, p, &r, p->active);
 #if HAS_TRANSMISSION
     for (ints hidden = p->active & !e.b.visible; any_ray(hidden); hidden &= !e.b.visible) {
+        NOTE(note_hidden(s->notes));
         r = step_beyond(r, &e.h, hidden);
         p->in = choose_media(hidden, e.b.behind, p->in);
         e = choose_encounter(hidden, meet(s, p, &r, hidden), e);
@@ -176,6 +182,31 @@ INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
 #endif
     return q;
 }
+
+#if RECORD && BENDS
+// Where transmission goes, the media on both sides, and the refractive indices that eta is made of: of an opaque surface's
+// own and those of the medium around it.
+void note_refraction(const scene *s, const packet *p, const encounter *e, const shade_point *q) {
+    const ints own = e->id.material;
+    ints front = -1, back = own;
+#if HAS_TRANSMISSION
+    front = dominant(s, &p->in);
+    if (transmits(s, own)) {
+        const ints full = e->entering & (p->in.material[MEDIA - 1] >= 0);
+        front = e->b.here;
+        back = full ? own : dominant(s, &e->b.behind);
+    } else
+#endif
+        if (!e->entering) {
+        back = front;
+        front = own;
+    }
+    note_transmitted(s->notes, q->t.found, q->t.direction, index_of(s, front), index_of(s, back));
+#if HAS_TRANSMISSION
+    note_behind(s->notes, e->b.behind.material);
+#endif
+}
+#endif
 
 // The weights of what a surface sends on: rho_rg and rho_tg, with the extensions that the material asks for.
 typedef struct {
@@ -240,10 +271,14 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
     const shares share = find_shares(s, q, e);
     const vectors outside = spawn(q->point, q->error, q->normal);
     c.reflected = send_on(p, outside, share.reflection, q->r, found, cutoff, depth, sum);
+    NOTE(c.reflected.sent.y = RAY_REFLECTION);
+    NOTE(note_reflection(s->notes, share.reflection, c.reflected.weight, c.reflected.active));
 #if HAS_TRANSMISSION
     const vectors inside = spawn(q->point, choose(e->touched, blur_of(&e->f), q->error), negate(q->normal));
     c.transmitted = send_on(p, inside, share.transmission, q->t.direction, found, cutoff, depth, sum);
     c.transmitted.in = e->b.behind;
+    NOTE(c.transmitted.sent.y = RAY_TRANSMISSION);
+    NOTE(note_transmission(s->notes, share.transmission, c.transmitted.weight, c.transmitted.active));
 #endif
 #endif
 #if MARGIN
@@ -288,9 +323,15 @@ INLINE tree_sum trace(const scene *s, global const view *camera, packet p, uint 
     packet waiting[STACK];
     uint height = 0;
 #endif
+    NOTE(p.sent = note_tree(s->notes));
     for (;;) {
+        NOTE(p.sent.x = note_ray(s->notes, p.sent, p.depth, p.origin, p.direction, p.weight));
         const encounter e = meet_visible(s, &p);
+#if HAS_TRANSMISSION
+        NOTE(note_before(s->notes, p.in.material));
+#endif
         const ints found = p.active & (e.h.primitive >= 0);
+        NOTE(note_background(s->notes, see_background(camera, &p, p.active & !found)));
         sum.colour = add(sum.colour, see_background(camera, &p, p.active & !found));
         sum.deepest = p.active ? max(sum.deepest, whole(p.depth)) : sum.deepest;
         if (p.depth == 1)
@@ -299,7 +340,12 @@ INLINE tree_sum trace(const scene *s, global const view *camera, packet p, uint 
         next.reflected.active = next.transmitted.active = mask(false);
         if (any_ray(found)) {
             const shade_point q = make_shade_point(&p, &e);
+            NOTE(note_surface(s->notes, q.point, q.normal, q.shading, q.r));
+#if BENDS
+            NOTE(note_refraction(s, &p, &e, &q));
+#endif
             const illumination lit = illuminate_locally(s, &q, splat_xyz(camera->ambient), e.id.material, found);
+            NOTE(note_local(s->notes, lit.colour));
             sum.colour = add(sum.colour, mul(where(found, p.weight), lit.colour));
             sum.shadow += lit.feelers;
             next = send_children(s, &p, &e, &q, found, camera->limits.x, depth, &sum);

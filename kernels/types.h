@@ -136,4 +136,62 @@ typedef struct {
 #define FLAG_SOLID 8u        /* bounds a solid: counts when the eye's media are found */
 #define FLAG_CAPPED 16u      /* a cone with its ends closed */
 
+/* What is noted of a pixel's rays (record.cl), reals and whole numbers side by side in two arrays. Points are in world space
+ * moved to the scene's origin. */
+#define NOT_NOTED 0xffffffffu /* a number of what is not there */
+
+/* A ray. With .w: origin the distance of the hit, direction and weight the refractive indices before and behind; the
+ * shares' (rho_rg, rho_tg as they apply here) and the normals' is 0. `lit` is I_local; `reflection` and `transmission` are
+ * the weights that are sent on, or would be. */
+typedef struct {
+    real4 origin, direction, weight, point, normal, shading, reflected, transmitted, ambient, emission, lit, background,
+        reflection_share, transmission_share, reflection, transmission;
+} ray_note;
+
+#define RAY_EYE 0u
+#define RAY_REFLECTION 1u
+#define RAY_TRANSMISSION 2u
+#define NOTED_ENTERING 1u
+#define NOTED_REFRACTS 2u     /* there is a direction of transmission */
+#define NOTED_REFLECTION 4u   /* sent */
+#define NOTED_TRANSMISSION 8u /* sent */
+
+/* sent: the ray that sent it, sample, kind, level. met: primitive, the one inside of an instance, material, flags. Eight
+ * media each before and behind, outermost first. */
+typedef struct {
+    uint4 sent, met, before_outer, before_inner, behind_outer, behind_inner;
+} ray_tags;
+
+/* What a light does at a ray's hit. direction.w: its distance. diffuse, specular: coefficient times light, and as w cosine and
+ * highlight. share: what the feeler lets through, and r_v . L or t . L. feeler: its length. colour: the sum. */
+typedef struct {
+    real4 direction, diffuse, specular, share, feeler_origin, feeler, colour;
+} light_note;
+
+#define LIGHT_NEITHER 0u /* side */
+#define LIGHT_FRONT 1u
+#define LIGHT_BACK 2u
+#define NOTED_COUNTS 1u /* its terms may contribute */
+#define NOTED_FEELER 2u /* sent */
+
+/* x the ray, y the light, z its side, w flags */
+typedef struct {
+    uint4 at;
+} light_tags;
+
+/* A surface on the way of a ray or a feeler. share.w: its distance; share: what a feeler has left behind it. */
+typedef struct {
+    real4 share;
+} crossing_note;
+
+#define CROSSING_HIDDEN 0u   /* a boundary that a medium of higher priority hides */
+#define CROSSING_TOUCHING 1u /* at the same place as the ray's hit */
+#define CROSSING_FILTER 2u   /* lets a part of the light through, or nothing */
+#define CROSSING_BLOCKER 3u  /* the nearest that ends a feeler */
+
+/* at: ray, number of the light's note, kind. met: as a ray's. */
+typedef struct {
+    uint4 at, met;
+} crossing_tags;
+
 #endif

@@ -21,6 +21,7 @@ shows itself.
 
 It renders on the first CPU device by default. `feeler.devices()` lists others, and `scene.render(queue=queue)` takes a
 pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
+`print(scene.pixel(x, y))` tells all that the rays of one pixel do.
 `feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` measured.
 
 Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
@@ -33,6 +34,7 @@ from types import ModuleType
 from ._device import devices, kernel_options, kernel_source
 from ._library import Error, lib, to_string
 from .image import Image
+from .pixel import Pixel
 from .probe import probe
 from .scene import Scene, load
 
@@ -46,4 +48,4 @@ def __getattr__(name: str) -> ModuleType:
     raise AttributeError(f"module 'feeler' has no attribute '{name}'")
 
 
-__all__ = ["Error", "Image", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]
+__all__ = ["Error", "Image", "Pixel", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]

@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ._device import kernel_options, make_settings, open_device, warn_of_tuned
-from ._library import INTERRUPTED, call, check, ffi, lib, new_error, take_json, to_bytes, to_string
+from ._library import INTERRUPTED, Error, call, check, ffi, lib, new_error, take_json, take_text, to_bytes, to_string
 from ._nodes import build_node
 from .image import Image
+from .pixel import Pixel
 
 Progress = Callable[[float], Any]
 
@@ -134,6 +135,46 @@ class Scene:
             image = Image(pointer, interrupted=error.code == INTERRUPTED, alpha=alpha)
         reporter.raise_caught(image)
         return image
+
+    def pixel(
+        self,
+        x: int,
+        y: int,
+        sample: int | None = None,
+        size: tuple[int, int] | None = None,
+        samples: int | None = None,
+        jitter: float | None = None,
+        depth: int | None = None,
+        cutoff: float | None = None,
+        level: str = "standard",
+        alpha: bool = False,
+        queue: Any = None,
+        device: str | int | None = None,
+        general: bool = False,
+    ) -> Pixel:
+        """All that the rays of one pixel do: what each meets, what lights it, what is sent on. "Why is it black?"
+
+        The kernels that render a picture take notes, so this is what led to the picture's pixel, to the bit.
+
+        Args:
+            x, y: the pixel, counted from 0 at the top left.
+            sample: only this one, from 0; by default all.
+            size, samples, jitter, depth, cutoff, level, alpha, queue, device, general: as for `render`.
+        """
+        settings = make_settings(
+            size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, alpha=alpha,
+            general=general,
+        )  # fmt: skip
+        at = [_whole("x", x), _whole("y", y), -1 if sample is None else _whole("sample", sample)]
+        opened = open_device(device, queue)
+        with self._lock, opened.lock:
+            return Pixel(take_text(call(lib.feeler_pixel_json, self._pointer, settings, opened.pointer, *at)))
+
+
+def _whole(name: str, value: int) -> int:
+    if not hasattr(value, "__index__") or not 0 <= value.__index__() < 2**31:
+        raise Error(f"{name} is a whole number from 0 on, not {value!r}")
+    return value.__index__()
 
 
 class _Reporter:
