@@ -21,6 +21,7 @@ shows itself.
 
 It renders on the first CPU device by default. `feeler.devices()` lists others, and `scene.render(queue=queue)` takes a
 pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
+`feeler.compare(a, b)` measures how far two pictures are apart, be they images, arrays or files.
 `feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` measured.
 
 Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
@@ -32,9 +33,10 @@ from types import ModuleType
 
 from ._device import devices, kernel_options, kernel_source
 from ._library import Error, lib, to_string
+from .compare import Difference, compare
 from .image import Image
 from .probe import probe
-from .scene import Scene, load
+from .scene import Scene, Verification, load
 
 __version__: str = to_string(lib.feeler_version())
 
@@ -46,4 +48,7 @@ def __getattr__(name: str) -> ModuleType:
     raise AttributeError(f"module 'feeler' has no attribute '{name}'")
 
 
-__all__ = ["Error", "Image", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]
+__all__ = [
+    "Difference", "Error", "Image", "Scene", "Verification", "compare", "devices", "kernel_options", "kernel_source",
+    "load", "probe",
+]  # fmt: skip
