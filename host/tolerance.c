@@ -13,9 +13,10 @@
 #include <string.h>
 
 enum {
-    PROXY = 96, /* pixels of its longer side */
+    PROXY = 64, /* pixels of its longer side */
     TILES = 8,  /* in each direction */
-    TILE = 12,  /* pixels */
+    LEAST_TILE = 8,
+    MOST_TILE = 12, /* pixels of a side */
     MOST_SAMPLES = 256,
     MOST_TRIALS = 32
 };
@@ -24,7 +25,7 @@ enum {
  * samples to the next the error falls to a half or a third, so this costs little. */
 static const double safety = 0.8;
 /* What the truth itself may be off by, as a share of the tolerance. */
-static const double noise_share = 0.25;
+static const double noise_share = 1. / 3;
 
 typedef struct trial {
     way way;
@@ -37,7 +38,8 @@ typedef struct search {
     bool any_level, any_samples, any_cutoff;
     double tolerance;
     truth proxy, tiles;
-    bool whole; /* the proxy is the picture itself */
+    bool whole;        /* the proxy is the picture itself */
+    bool draft_spared; /* to compile its kernels would take longer than the picture */
     trial trials[MOST_TRIALS];
     int count;
 } search;
@@ -84,7 +86,10 @@ static int place_tile(int low, int high, int i, int cells, int length, uint64_t 
 
 static int open_tiles(search *s, feeler_error *error) {
     const int *r = s->settings.region, width = r[2] - r[0], height = r[3] - r[1];
-    const int side[2] = {smaller(TILE, width), smaller(TILE, height)};
+    /* A sixteenth of the picture, as long as that is neither too few nor more than it takes. */
+    const int sixteenth = (int)(sqrt((double)width * height / 16) / TILES);
+    const int length = sixteenth < LEAST_TILE ? LEAST_TILE : smaller(sixteenth, MOST_TILE);
+    const int side[2] = {smaller(length, width), smaller(length, height)};
     const int cells[2] = {smaller(TILES, width / side[0]), smaller(TILES, height / side[1])};
     int regions[TILES * TILES][4], count = 0;
     for (int y = 0; y < cells[1]; y++)
@@ -112,59 +117,89 @@ static trial *add_trial(search *s, way w) {
     return t;
 }
 
-/* 1: good enough, 0: not, -1: failed. */
-static int try_way(search *s, way w, feeler_error *error) {
+/* NULL: failed. */
+static const trial *try_way(search *s, way w, feeler_error *error) {
     trial *t = add_trial(s, w);
-    if (truth_measure(&s->proxy, &w, &t->proxy, &t->seconds, error))
-        return -1;
-    return good(s, t->proxy);
+    return truth_measure(&s->proxy, &w, &t->proxy, &t->seconds, error) ? NULL : t;
 }
 
 static way way_of(const search *s, int level, int samples) {
     return (way){level, s->any_samples ? samples : s->settings.samples, s->settings.depth, s->settings.cutoff};
 }
 
-/* From a number of samples up until the error is small enough, else down as long as it is. `*least` is the least good number,
- * 0 where there is none. */
-static int try_samples(search *s, int level, int first, int *least, feeler_error *error) {
-    int n = first, fine = try_way(s, way_of(s, level, n), error);
-    *least = fine > 0 ? n : 0;
-    if (!s->any_samples || fine < 0)
-        return fine < 0 ? -1 : 0;
-    const bool down = fine > 0;
-    while (fine >= 0 && fine == down && (n = down ? n / 4 : n * 4) >= 1 && n <= MOST_SAMPLES) {
-        fine = try_way(s, way_of(s, level, n), error);
-        if (fine > 0)
-            *least = n;
-    }
-    return fine < 0 ? -1 : 0;
+/* The number of samples that should do, from the error of sixteen by the truth's kernel, which needs no compiling. At edges it
+ * falls with their number to the power of -3/4. -1: failed. */
+static int guess_samples(search *s, feeler_error *error) {
+    const way w = {FEELER_REFERENCE, 16, s->settings.depth, s->settings.cutoff};
+    double found;
+    int n = 1;
+    if (!s->any_samples)
+        return s->settings.samples;
+    if (truth_measure(&s->proxy, &w, &found, NULL, error))
+        return -1;
+    while (n < MOST_SAMPLES && !good(s, found * pow(16. / n, 0.75)))
+        n *= 4;
+    return n;
 }
 
-/* Rays that carry little are spared where they are sent at all: the same kernel tells how little may be. */
-static int try_cutoffs(search *s, way w, feeler_error *error) {
-    for (double cutoff = s->tolerance; cutoff > s->tolerance / 100 && cutoff > w.cutoff && cutoff < 1; cutoff /= 4) {
-        way less = w;
-        less.cutoff = cutoff;
-        const int fine = try_way(s, less, error);
-        if (fine)
-            return fine < 0 ? -1 : 0;
+/* Up from a number of samples until the error is small enough, as long as it falls; else down while that is possible. `*best`
+ * is the trial with the least good number, NULL where there is none. */
+static int try_samples(search *s, int level, int first, const trial **best, feeler_error *error) {
+    const trial *t = NULL;
+    *best = NULL;
+    for (int n = first; !*best; n *= 4) {
+        const double before = t ? t->proxy : INFINITY;
+        t = try_way(s, way_of(s, level, n), error);
+        if (!t)
+            return -1;
+        if (good(s, t->proxy))
+            *best = t;
+        else if (!s->any_samples || n >= MOST_SAMPLES || t->proxy > 0.9 * before)
+            return 0;
+    }
+    /* A quarter of the samples has at least twice the error: it falls with the power of -1/2 or faster. */
+    for (int n = first / 4; s->any_samples && n && (*best)->way.samples == 4 * n && good(s, 2 * (*best)->proxy); n /= 4) {
+        t = try_way(s, way_of(s, level, n), error);
+        if (!t)
+            return -1;
+        if (good(s, t->proxy))
+            *best = t;
     }
     return 0;
 }
 
+/* Rays that carry little are spared where they are sent at all: the same kernel is told how little. */
+static int try_cutoffs(search *s, way w, feeler_error *error) {
+    for (double cutoff = s->tolerance; cutoff > s->tolerance / 100 && cutoff > w.cutoff && cutoff < 1; cutoff /= 4) {
+        way less = w;
+        less.cutoff = cutoff;
+        const trial *t = try_way(s, less, error);
+        if (!t || good(s, t->proxy))
+            return t ? 0 : -1;
+    }
+    return 0;
+}
+
+/* Seconds that the picture should take, by what the proxy took. */
+static double expect_seconds(const search *s, const trial *t) {
+    const int *r = s->settings.region;
+    return t->seconds * (r[2] - r[0]) * (r[3] - r[1]) / (double)s->proxy.pixels;
+}
+
 static int try_ways(search *s, bool sends, feeler_error *error) {
-    const int first = 16, level = s->any_level ? FEELER_STANDARD : s->settings.level;
-    int least, used = level;
-    if (try_samples(s, level, first, &least, error))
+    const trial *best = NULL;
+    const int first = guess_samples(s, error);
+    if (first < 0 || try_samples(s, s->any_level ? FEELER_STANDARD : s->settings.level, first, &best, error))
         return -1;
-    if (!least && s->any_level) {
-        used = FEELER_REFERENCE;
-        if (try_samples(s, used, MOST_SAMPLES, &least, error))
+    if (s->any_level && best) {
+        const int samples = best->way.samples;
+        s->draft_spared = expect_seconds(s, best) < s->proxy.compile;
+        if (!s->draft_spared && !try_way(s, way_of(s, FEELER_DRAFT, samples), error))
             return -1;
-    } else if (s->any_level && try_way(s, way_of(s, FEELER_DRAFT, least), error) < 0) {
+    } else if (s->any_level && try_samples(s, FEELER_REFERENCE, first, &best, error)) {
         return -1;
     }
-    return least && sends && s->any_cutoff ? try_cutoffs(s, way_of(s, used, least), error) : 0;
+    return best && sends && s->any_cutoff ? try_cutoffs(s, best->way, error) : 0;
 }
 
 /* ---- the check on tiles ---- */
@@ -178,11 +213,12 @@ static bool tried_there(const search *s, way w) {
     return false;
 }
 
-/* The cheapest way that was good on the proxy and is not checked. */
+/* The cheapest way that was good on the proxy and is not checked. What is less exact must be cheaper by more than the times
+ * vary by. */
 static trial *next_hopeful(search *s) {
     trial *best = NULL;
     for (trial *t = s->trials; t < s->trials + s->count; t++)
-        if (t->tiles < 0 && good(s, t->proxy) && (!best || t->seconds < best->seconds))
+        if (t->tiles < 0 && good(s, t->proxy) && (!best || t->seconds < 0.9 * best->seconds))
             best = t;
     return best;
 }
@@ -329,7 +365,8 @@ static trial *find_way(search *s, feeler_error *error) {
 /* The way to render with, and why it is that one; NULL: failed. */
 static const trial *choose(search *s, char *why, size_t size, feeler_error *error) {
     const trial *chosen = find_way(s, error);
-    snprintf(why, size, "the cheapest of those tried whose error is below the tolerance with a fifth to spare");
+    snprintf(why, size, "the cheapest of those tried whose error is below the tolerance with a fifth to spare%s",
+             s->draft_spared ? "; draft was not tried: to compile it takes longer than the picture" : "");
     if (chosen && !good(s, s->whole ? chosen->proxy : chosen->tiles) && explain(s, chosen, why, size, error))
         return NULL;
     return chosen;

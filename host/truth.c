@@ -10,7 +10,7 @@
 
 /* Samples of the two halves, one step after another. Rows of odd numbers of cells: no way to be measured has a sample in a
  * cell of these, so its error does not cancel. */
-static const int steps[][2] = {{5 * 5, 7 * 7}, {11 * 11, 13 * 13}, {21 * 21, 23 * 23}};
+static const int steps[][2] = {{3 * 3, 5 * 5}, {7 * 7, 9 * 9}, {11 * 11, 13 * 13}, {21 * 21, 23 * 23}};
 enum { STEPS = sizeof steps / sizeof *steps };
 
 enum { REPEATS = 3 };
@@ -69,6 +69,7 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
     const int made = render_regions(t->scene, &s, (const int(*)[4])t->regions, count, t->device, stop_or_go, t, images,
                                     error);
     double sum = 0, least = INFINITY;
+    t->compile = made > 0 ? images[0]->stats.compile : 0;
     for (int i = 0; i < made; i++) {
         if (i < t->count && error->code == 0)
             image_colours(images[i], colours + 3 * t->pixels / (size_t)t->count * (size_t)i);

@@ -27,6 +27,7 @@ typedef struct truth {
     size_t pixels;     /* of all regions */
     int samples;       /* that it has */
     double noise;      /* what the truth itself is off by, as far as its two halves tell */
+    double compile;    /* seconds that the kernels of the last way took */
     double *halves[2]; /* sums of colours by weight; the first is owned and holds all below, too */
     double weights[2];
     double *colours; /* the truth, clamped */
