@@ -19,7 +19,8 @@ typedef struct comparison {
 } comparison;
 
 static const char compare_notes[] =
-    "B is the reference. Colours are compared as linear values from 0 to 1, alpha is not. A pixel's difference is the greatest\n"
+    "B is the reference. Colours are compared as linear values from 0 to 1, alpha is not. A pixel's difference is the "
+    "greatest\n"
     "of its channels'. The exit code is 1 where a figure is above its option. The difference picture is scaled by a\n"
     "power of two that is told; a FLIP map is grey and not scaled.";
 
@@ -38,8 +39,8 @@ static options_result parse(comparison *c, int argc, char **argv) {
         {0},
     };
     const command compare = {
-        "compare", "A B", "Measures how far two pictures are apart (.exr, .hdr, .png, .tif, .jpg).", options, 2, 2,
-        compare_notes};
+        "compare", "A B",        "Measures how far two pictures are apart (.exr, .hdr, .png, .tif, .jpg).", options, 2,
+        2,         compare_notes};
     options_result result = options_parse(&compare, argc, argv, &count);
     if (result == OPTIONS_GO)
         memcpy(c->paths, argv, sizeof c->paths);

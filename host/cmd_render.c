@@ -12,7 +12,7 @@ typedef struct job {
     feeler_save_options save;
     const char *out, *stats, *select;
     bool alpha, quiet, verify;
-    double tolerance; /* 0: none */
+    double tolerance;      /* 0: none */
     feeler_device *device; /* opened when the first scene is ready for it */
     bool hopeless;         /* what went wrong would go wrong for every scene */
 } job;
@@ -184,8 +184,9 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     if (j->hopeless)
         goto failed;
     progress_begin(&watch.progress, o->name, !j->quiet);
-    *image = j->tolerance > 0 ? feeler_render_within(scene, &j->settings, j->tolerance, j->device, watch_step, &watch, &error)
-                              : feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);
+    *image = j->tolerance > 0
+                 ? feeler_render_within(scene, &j->settings, j->tolerance, j->device, watch_step, &watch, &error)
+                 : feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);
     progress_end(&watch.progress);
     j->hopeless = watch.error.code != 0;
     if (j->hopeless)

@@ -80,8 +80,8 @@ static void print_verification(const json_t *verification) {
             (int)whole_at(verification, "samples"), number_at(verification, "seconds"));
     fprintf(stderr, "    all    max %.3g, p99.9 %.3g, RMSE %.3g, FLIP mean %.3g\n", number_at(d, "max"),
             number_at(d, "p99.9"), number_at(d, "rmse"), number_at(d, "flip"));
-    fprintf(stderr, "    flips  %" JSON_INTEGER_FORMAT " pixels off by more than 1/255, %.3g %%\n", whole_at(d, "flips"),
-            100 * number_at(d, "share"));
+    fprintf(stderr, "    flips  %" JSON_INTEGER_FORMAT " pixels off by more than 1/255, %.3g %%\n",
+            whole_at(d, "flips"), 100 * number_at(d, "share"));
     fprintf(stderr, "    values max %.3g, p99.9 %.3g, RMSE %.3g of the other pixels\n", number_at(values, "max"),
             number_at(values, "p99.9"), number_at(values, "rmse"));
     fputs("    truncation is apart", stderr);
@@ -99,8 +99,9 @@ static void print_number(const json_t *number, const char *format, int width) {
 static void print_tolerance(const json_t *tolerance) {
     size_t i;
     json_t *one, *truth = json_object_get(tolerance, "truth"), *checked = json_object_get(tolerance, "checked");
-    fprintf(stderr, "  tolerance %.3g %s: error %.3g (p99.9, linear values from 0 to 1) on ", number_at(tolerance, "asked"),
-            json_is_true(json_object_get(tolerance, "reached")) ? "reached" : "NOT reached", number_at(tolerance, "error"));
+    fprintf(
+        stderr, "  tolerance %.3g %s: error %.3g (p99.9, linear values from 0 to 1) on ", number_at(tolerance, "asked"),
+        json_is_true(json_object_get(tolerance, "reached")) ? "reached" : "NOT reached", number_at(tolerance, "error"));
     if (json_is_true(json_object_get(checked, "whole")))
         fputs("the whole picture", stderr);
     else

@@ -188,8 +188,9 @@ static int open_sight(sight *v, size s, feeler_error *error) {
 /* The eye's sensitivity to contrast, from cycles to degrees (4.1.1): Gaussians a sqrt(π/b) exp(-π²x²/b), of which blue and
  * yellow need two. */
 static void blur(sight *v) {
-    static const struct { double a, b; } terms[3][2] = {
-        {{1, 0.0047}, {0, 1e-5}}, {{1, 0.0053}, {0, 1e-5}}, {{34.1, 0.04}, {13.5, 0.025}}};
+    static const struct {
+        double a, b;
+    } terms[3][2] = {{{1, 0.0047}, {0, 1e-5}}, {{1, 0.0053}, {0, 1e-5}}, {{34.1, 0.04}, {13.5, 0.025}}};
     const int radius = (int)ceil(3 * sqrt(0.04 / (2 * pi * pi)) * pixels_per_degree); /* of the widest */
     double *work = v->planes[WORK], *part = v->planes[MORE_WORK];
     for (int c = 0; c < 3; c++) {
@@ -293,8 +294,8 @@ int flip_errors(const double *reference, const double *test, int width, int heig
     for (size_t i = 0; i < area(s); i++) {
         const double seen_a[3] = {a.planes[0][i], a.planes[1][i], a.planes[2][i]};
         const double seen_b[3] = {b.planes[0][i], b.planes[1][i], b.planes[2][i]};
-        const double feature = fmax(fabs(a.planes[EDGES][i] - b.planes[EDGES][i]),
-                                    fabs(a.planes[POINTS][i] - b.planes[POINTS][i]));
+        const double feature =
+            fmax(fabs(a.planes[EDGES][i] - b.planes[EDGES][i]), fabs(a.planes[POINTS][i] - b.planes[POINTS][i]));
         const double sum = reference[3 * i] + test[3 * i]; /* not a number in all channels or in none */
         errors[i] = isnan(sum) ? 1 : pow(colour_error(seen_a, seen_b, greatest), 1 - sqrt(feature / sqrt(2)));
     }

@@ -34,7 +34,7 @@ struct feeler_image {
     char *options;    /* the kernels' build options; owned; NULL: no render made it */
     render_stats stats;
     struct json_t *reports; /* what else the statistics say: see verify.c and tolerance.c; owned; may be NULL */
-    char *stats_json; /* owned, made on request */
+    char *stats_json;       /* owned, made on request */
 };
 
 /* Adds a report to the picture's statistics; takes it. -1: out of memory, as where it is NULL. */

@@ -321,8 +321,7 @@ int read(feeler_image &image, const char *path, feeler_error *error) {
     image.pixels = std::malloc(count * 4 * sizeof(float));
     if (!image.pixels)
         throw std::bad_alloc();
-    const bool coded =
-        !spec.format.is_floating_point() && spec.get_string_attribute("oiio:ColorSpace") != "Linear";
+    const bool coded = !spec.format.is_floating_point() && spec.get_string_attribute("oiio:ColorSpace") != "Linear";
     const bool associated = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     for (size_t i = 0; i < count; i++) {
         pixel p = decode(&values[i * channels], place, coded, associated);

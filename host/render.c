@@ -260,5 +260,5 @@ feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *se
                             feeler_progress progress, void *user, feeler_error *error) {
     feeler_image *image;
     return render_regions(scene, settings, &settings->region, 1, device, progress, user, &image, error) == 1 ? image
-                                                                                                            : NULL;
+                                                                                                             : NULL;
 }

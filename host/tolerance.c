@@ -80,7 +80,8 @@ static uint32_t mix(uint64_t x) {
 
 /* A tile's first pixel, anywhere in the cell `i` of so many that share the pixels from low to high. */
 static int place_tile(int low, int high, int i, int cells, int length, uint64_t seed) {
-    const int first = low + (int)((int64_t)(high - low) * i / cells), next = low + (int)((int64_t)(high - low) * (i + 1) / cells);
+    const int first = low + (int)((int64_t)(high - low) * i / cells),
+              next = low + (int)((int64_t)(high - low) * (i + 1) / cells);
     return first + (int)(mix(seed) % (uint32_t)(next - first - length + 1));
 }
 
@@ -158,7 +159,8 @@ static int try_samples(search *s, int level, int first, const trial **best, feel
             return 0;
     }
     /* A quarter of the samples has at least twice the error: it falls with the power of -1/2 or faster. */
-    for (int n = first / 4; s->any_samples && n && (*best)->way.samples == 4 * n && good(s, 2 * (*best)->proxy); n /= 4) {
+    for (int n = first / 4; s->any_samples && n && (*best)->way.samples == 4 * n && good(s, 2 * (*best)->proxy);
+         n /= 4) {
         t = try_way(s, way_of(s, level, n), error);
         if (!t)
             return -1;
@@ -277,10 +279,11 @@ static int explain(search *s, const trial *chosen, char *why, size_t size, feele
     if (truth_measure(t, &exact, &sampling, NULL, error) ||
         (chosen->way.level != FEELER_REFERENCE && truth_between(t, &chosen->way, &exact, &rounding, error)))
         return -1;
-    snprintf(why, size,
-             "%d samples a pixel%s leave an error of %.2g, which falls with the samples' number to the power of -1/2 to "
-             "-3/4; level, depth and cutoff one of %.2g",
-             chosen->way.samples, s->any_samples ? ", the most that are tried," : "", sampling, rounding);
+    snprintf(
+        why, size,
+        "%d samples a pixel%s leave an error of %.2g, which falls with the samples' number to the power of -1/2 to "
+        "-3/4; level, depth and cutoff one of %.2g",
+        chosen->way.samples, s->any_samples ? ", the most that are tried," : "", sampling, rounding);
     return 0;
 }
 
@@ -307,14 +310,14 @@ static json_t *describe(const search *s, const trial *chosen, const char *why, d
     const truth *t = s->whole ? &s->proxy : &s->tiles;
     const double found = s->whole ? chosen->proxy : chosen->tiles;
     const int *r = t->regions[0];
-    return json_pack(
-        "{s:f, s:b, s:f, s:{s:i, s:f, s:i, s:f}, s:{s:i, s:[i,i], s:b}, s:{s:s, s:i, s:f, s:i}, s:[i,i], s:s, s:o, s:f}",
-        "asked", s->tolerance, "reached", good(s, found), "error", found, "truth", "samples", t->samples, "noise",
-        t->noise, "depth", t->depth, "cutoff", t->cutoff, "checked", "tiles", t->count, "size", r[2] - r[0],
-        r[3] - r[1], "whole", s->whole, "chosen", "level", level_name(chosen->way.level), "samples",
-        chosen->way.samples, "cutoff", chosen->way.cutoff, "depth", chosen->way.depth, "proxy",
-        s->proxy.settings.width, s->proxy.settings.height, "why", why, "candidates", describe_trials(s), "seconds",
-        seconds);
+    return json_pack("{s:f, s:b, s:f, s:{s:i, s:f, s:i, s:f}, s:{s:i, s:[i,i], s:b}, s:{s:s, s:i, s:f, s:i}, s:[i,i], "
+                     "s:s, s:o, s:f}",
+                     "asked", s->tolerance, "reached", good(s, found), "error", found, "truth", "samples", t->samples,
+                     "noise", t->noise, "depth", t->depth, "cutoff", t->cutoff, "checked", "tiles", t->count, "size",
+                     r[2] - r[0], r[3] - r[1], "whole", s->whole, "chosen", "level", level_name(chosen->way.level),
+                     "samples", chosen->way.samples, "cutoff", chosen->way.cutoff, "depth", chosen->way.depth, "proxy",
+                     s->proxy.settings.width, s->proxy.settings.height, "why", why, "candidates", describe_trials(s),
+                     "seconds", seconds);
 }
 
 /* ---- all of it ---- */
@@ -379,9 +382,8 @@ feeler_image *feeler_render_within(const feeler_scene *scene, const feeler_setti
     feeler_error own = {0};
     feeler_image *image = NULL;
     char why[512];
-    const trial *chosen = start_search(&s, scene, asked, device, progress, user, &own)
-                              ? NULL
-                              : choose(&s, why, sizeof why, &own);
+    const trial *chosen =
+        start_search(&s, scene, asked, device, progress, user, &own) ? NULL : choose(&s, why, sizeof why, &own);
     const double seconds = seconds_now() - start;
     if (chosen) {
         s.settings.level = chosen->way.level;

@@ -41,9 +41,10 @@ void truth_close(truth *t) {
 }
 
 static int stop_or_go(void *user, double fraction) {
-    const truth *t = user;
+    truth *t = user;
     (void)fraction;
-    return t->progress ? t->progress(t->user, 0) : 0;
+    t->stopped = t->stopped || (t->progress && t->progress(t->user, 0));
+    return t->stopped;
 }
 
 static double seconds_of(const render_stats *s) {
@@ -66,8 +67,10 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
     s.cutoff = w->cutoff;
     s.jitter = jitter;
     memcpy(s.region, t->regions[0], sizeof s.region);
-    const int made = render_regions(t->scene, &s, (const int(*)[4])t->regions, count, t->device, stop_or_go, t, images,
-                                    error);
+    const int made =
+        render_regions(t->scene, &s, (const int(*)[4])t->regions, count, t->device, stop_or_go, t, images, error);
+    if (t->stopped) /* a render that was done just then does not say so */
+        fail(error, FEELER_INTERRUPTED, "interrupted while settings were sought");
     double sum = 0, least = INFINITY;
     t->compile = made > 0 ? images[0]->stats.compile : 0;
     for (int i = 0; i < made; i++) {

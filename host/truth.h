@@ -21,8 +21,9 @@ typedef struct truth {
     feeler_settings settings; /* of the whole picture */
     int depth;                /* that the truth has, and its cutoff */
     double cutoff;
-    double share;             /* the percentile that an error is, 0 … 1 */
-    int (*regions)[4];        /* owned; of one size */
+    bool stopped;      /* by progress */
+    double share;      /* the percentile that an error is, 0 … 1 */
+    int (*regions)[4]; /* owned; of one size */
     int count;
     size_t pixels;     /* of all regions */
     int samples;       /* that it has */

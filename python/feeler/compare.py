@@ -19,8 +19,8 @@ Picture = Image | npt.ArrayLike | str | os.PathLike[str]
 class Difference:
     """The figures of two pictures' difference, of linear values clamped to 0 … 1.
 
-    A pixel's difference is the greatest of its channels'; 1 where a value is not finite. Pixels that differ by more than
-    1/255 are flips, decisions that went the other way; the values of the others are measured apart from them.
+    A pixel's difference is the greatest of its channels'; 1 where a value is not finite. Pixels that differ by more
+    than 1/255 are flips, decisions that went the other way; the values of the others are measured apart from them.
 
     Attributes:
         max, p999: greatest difference of a pixel, and the 99.9th percentile (as numpy.percentile's).

@@ -107,10 +107,10 @@ class Scene:
             level: "draft", "standard" (float32, robust; the default) or "reference" (float64).
             region: x0, y0, x1, y1, half open, pixels from the top left: render only these.
             alpha: True leaves the background out of the colour; the alpha is then the coverage.
-            tolerance: find the cheapest level, samples and cutoff, of those that are not given, whose error is below it: the
-                99.9th percentile of `feeler.compare` against level "reference" with many samples. `stats["tolerance"]`
-                says what was chosen, why, and the error; where its "reached" is false the image is the best that was
-                found.
+            tolerance: find the cheapest level, samples and cutoff, of those that are not given, whose error is below
+                it: the 99.9th percentile of `feeler.compare` against level "reference" with many samples.
+                `stats["tolerance"]` says what was chosen, why, and the error; where its "reached" is false the image
+                is the best that was found.
             queue: a pyopencl.CommandQueue to render on.
             device: a number in `feeler.devices()` or part of a device's name, instead of a queue.
             work_group: x, y; by default the one that `feeler bench --save` keeps for this device and kernel, if any.
@@ -148,8 +148,8 @@ class Scene:
     def verify(self, **settings: Any) -> Verification:
         """Renders twice, as it is asked and at level "reference" with the same samples, and compares.
 
-        Takes the settings of `render` but tolerance; level is "draft" or "standard". The figures are those of precision;
-        what depth and cutoff left away is bounded apart from them.
+        Takes the settings of `render` but tolerance; level is "draft" or "standard". The figures are those of
+        precision; what depth and cutoff left away is bounded apart from them.
         """
         device, queue, progress = (settings.get(name) for name in ("device", "queue", "progress"))
         if settings.get("tolerance") is not None:
