@@ -14,9 +14,6 @@
 
 enum {
     PROXY = 64, /* pixels of its longer side */
-    TILES = 8,  /* in each direction */
-    LEAST_TILE = 8,
-    MOST_TILE = 12, /* pixels of a side */
     MOST_SAMPLES = 256,
     MOST_TRIALS = 32
 };
@@ -24,8 +21,8 @@ enum {
 /* An error counts as small enough at this share of the tolerance: tiles are only a part of the picture. From one number of
  * samples to the next the error falls to a half or a third, so this costs little. */
 static const double safety = 0.8;
-/* What the truth itself may be off by, as a share of the tolerance. */
-static const double noise_share = 1. / 3;
+/* What the truth itself may be off by, as a share of the tolerance; that of the proxy only points the way. */
+static const double proxy_noise = 1. / 2, noise_share = 1. / 3;
 
 typedef struct trial {
     way way;
@@ -68,42 +65,6 @@ static int open_proxy(search *s, feeler_error *error) {
     /* Errors are greatest at edges, whose share of the pixels grows as pixels do. */
     s->proxy.share = 1 - fmin(0.001 / scale, 0.05);
     return truth_open(&s->proxy, region, 1, error);
-}
-
-/* Well mixed bits (Steele et al. 2014, Fast Splittable Pseudorandom Number Generators). */
-static uint32_t mix(uint64_t x) {
-    x += UINT64_C(0x9e3779b97f4a7c15);
-    x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
-    return (uint32_t)(x >> 32);
-}
-
-/* A tile's first pixel, anywhere in the cell `i` of so many that share the pixels from low to high. */
-static int place_tile(int low, int high, int i, int cells, int length, uint64_t seed) {
-    const int first = low + (int)((int64_t)(high - low) * i / cells),
-              next = low + (int)((int64_t)(high - low) * (i + 1) / cells);
-    return first + (int)(mix(seed) % (uint32_t)(next - first - length + 1));
-}
-
-static int open_tiles(search *s, feeler_error *error) {
-    const int *r = s->settings.region, width = r[2] - r[0], height = r[3] - r[1];
-    /* A sixteenth of the picture, as long as that is neither too few nor more than it takes. */
-    const int sixteenth = (int)(sqrt((double)width * height / 16) / TILES);
-    const int length = sixteenth < LEAST_TILE ? LEAST_TILE : smaller(sixteenth, MOST_TILE);
-    const int side[2] = {smaller(length, width), smaller(length, height)};
-    const int cells[2] = {smaller(TILES, width / side[0]), smaller(TILES, height / side[1])};
-    int regions[TILES * TILES][4], count = 0;
-    for (int y = 0; y < cells[1]; y++)
-        for (int x = 0; x < cells[0]; x++, count++) {
-            int *t = regions[count];
-            t[0] = place_tile(r[0], r[2], x, cells[0], side[0], (uint64_t)(2 * count));
-            t[1] = place_tile(r[1], r[3], y, cells[1], side[1], (uint64_t)(2 * count + 1));
-            t[2] = t[0] + side[0];
-            t[3] = t[1] + side[1];
-        }
-    s->tiles.settings = s->settings;
-    s->tiles.share = 0.999;
-    return truth_open(&s->tiles, (const int(*)[4])regions, count, error);
 }
 
 /* ---- trials on the proxy ---- */
@@ -225,12 +186,13 @@ static trial *next_hopeful(search *s) {
     return best;
 }
 
-/* The way with the least error, where it was checked or else on the proxy. */
+/* The way with the least error, where it was checked or else on the proxy; one that follows must be better by more than
+ * errors vary by. */
 static trial *least_error(search *s, bool checked) {
     trial *best = NULL;
     for (trial *t = s->trials; t < s->trials + s->count; t++) {
         const double mine = checked ? t->tiles : t->proxy;
-        if (mine >= 0 && (!best || mine < (checked ? best->tiles : best->proxy)))
+        if (mine >= 0 && (!best || mine < 0.9 * (checked ? best->tiles : best->proxy)))
             best = t;
     }
     return best;
@@ -346,21 +308,23 @@ static int start_search(search *s, const feeler_scene *scene, const feeler_setti
                        .depth = s->settings.depth > scene->depth ? s->settings.depth : scene->depth,
                        .cutoff = fmin(s->settings.cutoff, scene->cutoff)};
     s->tiles = s->proxy;
+    s->tiles.settings = s->settings;
+    s->tiles.share = 0.999;
     return 0;
 }
 
 /* Finds the way to render with; NULL: failed. */
 static trial *find_way(search *s, feeler_error *error) {
-    const double noise = noise_share * s->tolerance;
     const uint32_t features = choose_needs(s->proxy.scene, &s->settings).features;
     const bool sends = features & (1u << FEATURE_REFLECTION | 1u << FEATURE_TRANSMISSION);
-    if (open_proxy(s, error) || truth_refine(&s->proxy, noise, error) || try_ways(s, sends, error))
+    if (open_proxy(s, error) || truth_refine(&s->proxy, (s->whole ? noise_share : proxy_noise) * s->tolerance, error) ||
+        try_ways(s, sends, error))
         return NULL;
     if (s->whole) {
         trial *t = next_hopeful(s);
         return t ? t : least_error(s, false);
     }
-    if (open_tiles(s, error) || truth_refine(&s->tiles, noise, error))
+    if (truth_open_tiles(&s->tiles, error) || truth_refine(&s->tiles, noise_share * s->tolerance, error))
         return NULL;
     return check(s, error);
 }

@@ -13,7 +13,12 @@
 static const int steps[][2] = {{3 * 3, 5 * 5}, {7 * 7, 9 * 9}, {11 * 11, 13 * 13}, {21 * 21, 23 * 23}};
 enum { STEPS = sizeof steps / sizeof *steps };
 
-enum { REPEATS = 3 };
+enum {
+    REPEATS = 3,
+    TILES = 8, /* in each direction */
+    LEAST_TILE = 8,
+    MOST_TILE = 12 /* pixels of a side */
+};
 
 int truth_open(truth *t, const int (*regions)[4], int count, feeler_error *error) {
     const int *r = regions[0];
@@ -39,6 +44,48 @@ void truth_close(truth *t) {
     t->regions = NULL;
     t->halves[0] = NULL;
 }
+
+/* ---- tiles ---- */
+
+static int smaller(int a, int b) {
+    return a < b ? a : b;
+}
+
+/* Well mixed bits (Steele et al. 2014, Fast Splittable Pseudorandom Number Generators). */
+static uint32_t mix(uint64_t x) {
+    x += UINT64_C(0x9e3779b97f4a7c15);
+    x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
+    return (uint32_t)(x >> 32);
+}
+
+/* A tile's first pixel, anywhere in the cell `i` of so many that share the pixels from low to high. */
+static int place_tile(int low, int high, int i, int cells, int length, uint64_t seed) {
+    const int first = low + (int)((int64_t)(high - low) * i / cells),
+              next = low + (int)((int64_t)(high - low) * (i + 1) / cells);
+    return first + (int)(mix(seed) % (uint32_t)(next - first - length + 1));
+}
+
+int truth_open_tiles(truth *t, feeler_error *error) {
+    const int *r = t->settings.region, width = r[2] - r[0], height = r[3] - r[1];
+    /* A sixteenth of the picture, as long as that is neither too few nor more than it takes. */
+    const int sixteenth = (int)(sqrt((double)width * height / 16) / TILES);
+    const int length = sixteenth < LEAST_TILE ? LEAST_TILE : smaller(sixteenth, MOST_TILE);
+    const int side[2] = {smaller(length, width), smaller(length, height)};
+    const int cells[2] = {smaller(TILES, width / side[0]), smaller(TILES, height / side[1])};
+    int regions[TILES * TILES][4], count = 0;
+    for (int y = 0; y < cells[1]; y++)
+        for (int x = 0; x < cells[0]; x++, count++) {
+            int *tile = regions[count];
+            tile[0] = place_tile(r[0], r[2], x, cells[0], side[0], (uint64_t)(2 * count));
+            tile[1] = place_tile(r[1], r[3], y, cells[1], side[1], (uint64_t)(2 * count + 1));
+            tile[2] = tile[0] + side[0];
+            tile[3] = tile[1] + side[1];
+        }
+    return truth_open(t, (const int(*)[4])regions, count, error);
+}
+
+/* ---- rendering ---- */
 
 static int stop_or_go(void *user, double fraction) {
     truth *t = user;

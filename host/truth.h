@@ -37,6 +37,8 @@ typedef struct truth {
 
 /* Of these regions of one size (copied), for what the first members up to `share` say. -1: out of memory. */
 int truth_open(truth *t, const int (*regions)[4], int count, feeler_error *error);
+/* Of up to 64 tiles, one in each part of the settings' region, always the same. */
+int truth_open_tiles(truth *t, feeler_error *error);
 void truth_close(truth *t);
 /* More samples, until the noise is at most `noise` or there are as many as it takes; those that are there are kept. */
 int truth_refine(truth *t, double noise, feeler_error *error);
