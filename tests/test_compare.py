@@ -24,7 +24,8 @@ def noisy_pair(seed: int, shape: tuple[int, ...] = (37, 53, 3)) -> tuple[Any, An
     random = np.random.default_rng(seed)
     a = random.uniform(-0.2, 1.3, shape)
     b = a + random.normal(0, 1e-3, shape)
-    b[random.random(shape[:2]) < 0.03] = random.random()
+    flips = random.random(shape[:2]) < 0.03
+    b[flips] = random.random((flips.sum(), shape[2]))
     return a, b
 
 

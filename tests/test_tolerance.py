@@ -206,13 +206,20 @@ def test_bad_tolerances(scene: feeler.Scene, cli: Any, tolerance: Any) -> None:
         scene.render(size=(8, 6), tolerance=tolerance)
 
 
-def test_a_search_can_be_stopped(scene: feeler.Scene) -> None:
+@pytest.mark.parametrize("last", [1, 2, 3, 9, None])
+def test_a_search_can_be_stopped(scene: feeler.Scene, last: int | None) -> None:
+    """At any call: the last one of the search is that before the picture's own, whose first is 0 as well."""
+    settings: dict[str, Any] = {"size": (60, 40), "tolerance": 0.1, "level": "standard", "cutoff": 0, "tile": 4096}
     calls: list[float] = []
+    if last is None:
+        scene.render(**settings, progress=calls.append)
+        last = calls.count(0) - 1
+        calls.clear()
 
     def stop(fraction: float) -> bool:
         calls.append(fraction)
-        return len(calls) == 3
+        return len(calls) == last
 
     with pytest.raises(feeler.Error) as caught:
-        scene.render(size=(60, 40), tolerance=0.1, progress=stop)
-    assert caught.value.kind == "interrupted" and calls == [0, 0, 0]
+        scene.render(**settings, progress=stop)
+    assert caught.value.kind == "interrupted" and calls == [0] * last
