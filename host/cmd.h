@@ -13,6 +13,7 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_INTERRUPTED = 130 };
 int cmd_render(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_pixel(int argc, char **argv);
+int cmd_compare(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_devices(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);
@@ -51,5 +52,7 @@ int output_write_text(const char *path, const char *text);
 /* ---- cmd_summary.c: what is said after a render ---- */
 
 void summary_print(const char *scene_path, const char *out, const char *stats_json);
+/* Says where a tolerance is not reached. Returns an exit code. */
+int summary_judge(const char *out, const char *stats_json);
 
 #endif

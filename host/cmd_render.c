@@ -11,7 +11,8 @@ typedef struct job {
     feeler_settings settings;
     feeler_save_options save;
     const char *out, *stats, *select, *channels;
-    bool alpha, quiet;
+    bool alpha, quiet, verify;
+    double tolerance;      /* 0: none */
     feeler_device *device; /* opened when the first scene is ready for it */
     bool hopeless;         /* what went wrong would go wrong for every scene */
 } job;
@@ -43,6 +44,9 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
          256},
         {"cutoff", 0, OPTION_NUMBER, &s->cutoff, "W", "the scene's", "rays of less weight are not sent", 0, 1},
         {"level", 0, OPTION_CHOICE, &s->level, "draft|standard|reference", "standard", "how exact", 0, 0},
+        {"tolerance", 0, OPTION_NUMBER, &j->tolerance, "E", NULL,
+         "find the cheapest level, samples and cutoff whose error is below E", 1e-9, 1},
+        {"verify", 0, OPTION_FLAG, &j->verify, NULL, NULL, "measure the error against level reference", 0, 0},
         {"region", 0, OPTION_REGION, s->region, "X0,Y0,X1,Y1", "all", "render only these pixels, half open", 0, 0},
         {"alpha", 0, OPTION_FLAG, &j->alpha, NULL, NULL, "leave the background transparent", 0, 0},
         {"bits", 0, OPTION_CHOICE, &j->save.sixteen_bit, "8|16", "8", "of .png and .tif", 0, 0},
@@ -66,9 +70,16 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
     s->transparent = j->save.alpha = j->alpha;
     if (j->channels && parse_channels(j) < 0)
         return OPTIONS_WRONG;
-    if (j->out)
+    const char *wrong = !j->out ? "--out is missing: name the picture to write, such as -o picture.png" : NULL;
+    if (j->verify && s->level == FEELER_REFERENCE)
+        wrong = "--verify compares with level reference: choose draft or standard";
+    if (j->verify && j->tolerance > 0)
+        wrong = "--tolerance measures the error already: leave --verify away";
+    if (s->level == FEELER_LEVEL_ANY && !(j->tolerance > 0))
+        s->level = FEELER_STANDARD;
+    if (!wrong)
         return OPTIONS_GO;
-    report_usage("render", "--out is missing: name the picture to write, such as -o picture.png");
+    report_usage("render", "%s", wrong);
     return OPTIONS_WRONG;
 }
 
@@ -149,7 +160,23 @@ static int watch_step(void *user, double fraction) {
     return feeler_image_load_begin(w->out, &w->error) ? 1 : progress_step(&w->progress, fraction);
 }
 
-/* Loads and traces. Returns an exit code; EXIT_DONE and EXIT_INTERRUPTED may come with an image. */
+/* Renders once more at level reference; only the figures are kept, in the image's statistics. */
+static int verify(const job *j, const feeler_scene *scene, const outputs *o, feeler_image *image) {
+    feeler_error error = {0};
+    watch watch = {.out = o->out};
+    progress_begin(&watch.progress, "verify", !j->quiet);
+    feeler_image *reference = feeler_verify(scene, image, j->device, watch_step, &watch, &error);
+    progress_end(&watch.progress);
+    feeler_image_free(reference);
+    if (reference)
+        return EXIT_DONE;
+    if (error.code != FEELER_INTERRUPTED)
+        return report_error(&error);
+    report_note("interrupted, %s is whole but not verified", o->out);
+    return EXIT_DONE;
+}
+
+/* Loads and traces. Returns an exit code; EXIT_INTERRUPTED may come with an image, as may a failure to verify it. */
 static int trace(job *j, const char *path, const outputs *o, feeler_image **image) {
     feeler_error error = {0};
     watch watch = {.out = o->out};
@@ -171,7 +198,9 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     if (j->hopeless)
         goto failed;
     progress_begin(&watch.progress, o->name, !j->quiet);
-    *image = feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);
+    *image = j->tolerance > 0
+                 ? feeler_render_within(scene, &j->settings, j->tolerance, j->device, watch_step, &watch, &error)
+                 : feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);
     progress_end(&watch.progress);
     j->hopeless = watch.error.code != 0;
     if (j->hopeless)
@@ -180,9 +209,10 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     bool stopped = error.code == FEELER_INTERRUPTED || (!*image && progress_interrupted());
     if (j->hopeless || (!*image && !stopped))
         goto failed;
+    code = stopped ? EXIT_INTERRUPTED : j->verify ? verify(j, scene, o, *image) : EXIT_DONE;
     feeler_scene_free(scene);
     if (!stopped)
-        return EXIT_DONE;
+        return code;
     /* Ctrl-C while the kernel was compiled: the first tile alone is not worth a file. */
     if (!watch.progress.under_way) {
         feeler_image_free(*image);
@@ -209,7 +239,7 @@ static int save(const job *j, const char *scene, feeler_image *image, const outp
         summary_print(scene, o->out, stats);
     if (o->stats && output_write_text(o->stats, stats))
         return EXIT_FAILED;
-    return EXIT_DONE;
+    return j->tolerance > 0 ? summary_judge(o->out, stats) : EXIT_DONE;
 }
 
 static int render_one(job *j, const char *scene) {
@@ -228,13 +258,14 @@ static int render_one(job *j, const char *scene) {
     if (o.stats && output_check_text(o.stats))
         goto done;
     code = trace(j, scene, &o, &image);
-    if (code == EXIT_DONE) {
-        code = save(j, scene, image, &o, false);
-    } else if (code == EXIT_INTERRUPTED) {
+    if (code == EXIT_INTERRUPTED) {
         if (!image || outputs_make_partial(&o))
             report_note("interrupted, nothing was written");
         else if (save(j, scene, image, &o, true) == EXIT_DONE)
             report_note("interrupted, the finished part is in %s", o.out);
+    } else if (image) {
+        const int saved = save(j, scene, image, &o, false);
+        code = saved == EXIT_DONE ? code : saved;
     }
 done:
     feeler_image_free(image);
@@ -259,6 +290,7 @@ int cmd_render(int argc, char **argv) {
     job j = {0};
     int count = 0;
     feeler_settings_default(&j.settings);
+    j.settings.level = FEELER_LEVEL_ANY;
     options_result parsed = parse(&j, argc, argv, &count);
     if (parsed != OPTIONS_GO)
         return parsed == OPTIONS_HELPED ? EXIT_DONE : EXIT_USAGE;

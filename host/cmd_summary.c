@@ -50,16 +50,19 @@ static void print_seconds(const json_t *stats) {
     fputc('\n', stderr);
 }
 
-static void print_truncation(const json_t *stats) {
-    const json_t *discarded = json_object_get(stats, "discarded_weight");
-    const json_t *bound = json_object_get(stats, "truncation_bound");
-    fprintf(stderr, "  depth    deepest level %d of %d; discarded weight: greatest %.3g, mean %.3g",
-            (int)whole_at(stats, "deepest_level"), (int)whole_at(stats, "depth"), number_at(discarded, "max"),
-            number_at(discarded, "mean"));
+static void print_bound(const json_t *bound) {
     if (json_is_number(bound))
         fprintf(stderr, "; error by truncation at most %.3g\n", json_number_value(bound));
     else
         fputs("; error by truncation unbounded\n", stderr);
+}
+
+static void print_truncation(const json_t *stats) {
+    const json_t *discarded = json_object_get(stats, "discarded_weight");
+    fprintf(stderr, "  depth    deepest level %d of %d; discarded weight: greatest %.3g, mean %.3g",
+            (int)whole_at(stats, "deepest_level"), (int)whole_at(stats, "depth"), number_at(discarded, "max"),
+            number_at(discarded, "mean"));
+    print_bound(json_object_get(stats, "truncation_bound"));
 }
 
 static void print_features(const json_t *stats) {
@@ -68,6 +71,69 @@ static void print_features(const json_t *stats) {
     fputs("  features", stderr);
     json_array_foreach(features, i, name) fprintf(stderr, " %s", json_string_value(name));
     fputc('\n', stderr);
+}
+
+/* The level's error apart from that of truncation. */
+static void print_verification(const json_t *verification) {
+    const json_t *d = json_object_get(verification, "precision"), *values = json_object_get(d, "values");
+    fprintf(stderr, "  against reference, %d samples a pixel, %.3f s: precision, of linear values from 0 to 1\n",
+            (int)whole_at(verification, "samples"), number_at(verification, "seconds"));
+    fprintf(stderr, "    all    max %.3g, p99.9 %.3g, RMSE %.3g, FLIP mean %.3g\n", number_at(d, "max"),
+            number_at(d, "p99.9"), number_at(d, "rmse"), number_at(d, "flip"));
+    fprintf(stderr, "    flips  %" JSON_INTEGER_FORMAT " pixels off by more than 1/255, %.3g %%\n",
+            whole_at(d, "flips"), 100 * number_at(d, "share"));
+    fprintf(stderr, "    values max %.3g, p99.9 %.3g, RMSE %.3g of the other pixels\n", number_at(values, "max"),
+            number_at(values, "p99.9"), number_at(values, "rmse"));
+    fputs("    truncation is apart", stderr);
+    print_bound(json_object_get(verification, "truncation_bound"));
+}
+
+static void print_number(const json_t *number, const char *format, int width) {
+    if (json_is_number(number))
+        fprintf(stderr, format, width, json_number_value(number));
+    else
+        fprintf(stderr, "%*s", width, "-");
+}
+
+/* What was tried, and what was taken. */
+static void print_tolerance(const json_t *tolerance) {
+    size_t i;
+    json_t *one, *truth = json_object_get(tolerance, "truth"), *checked = json_object_get(tolerance, "checked");
+    fprintf(
+        stderr, "  tolerance %.3g %s: error %.3g (p99.9, linear values from 0 to 1) on ", number_at(tolerance, "asked"),
+        json_is_true(json_object_get(tolerance, "reached")) ? "reached" : "NOT reached", number_at(tolerance, "error"));
+    if (json_is_true(json_object_get(checked, "whole")))
+        fputs("the whole picture", stderr);
+    else
+        fprintf(stderr, "%d tiles of %dx%d pixels", (int)whole_at(checked, "tiles"), item(checked, "size", 0),
+                item(checked, "size", 1));
+    fprintf(stderr, ",\n    against reference with %d samples a pixel, itself known within %.2g; found in %.2f s\n",
+            (int)whole_at(truth, "samples"), number_at(truth, "noise"), number_at(tolerance, "seconds"));
+    fprintf(stderr, "    %-9s %7s %9s  error: %9s %10s, seconds on the proxy of %dx%d\n", "level", "samples", "cutoff",
+            "picture", "proxy", item(tolerance, "proxy", 0), item(tolerance, "proxy", 1));
+    json_array_foreach(json_object_get(tolerance, "candidates"), i, one) {
+        const json_t *chosen = json_object_get(tolerance, "chosen");
+        const bool mark = json_equal(json_object_get(one, "level"), json_object_get(chosen, "level")) &&
+                          json_equal(json_object_get(one, "samples"), json_object_get(chosen, "samples")) &&
+                          json_equal(json_object_get(one, "cutoff"), json_object_get(chosen, "cutoff"));
+        fprintf(stderr, "  %c %-9s %7d %9.3g         ", mark ? '*' : ' ', text_at(one, "level"),
+                (int)whole_at(one, "samples"), number_at(one, "cutoff"));
+        print_number(json_object_get(one, "error"), "%*.3g", 9);
+        print_number(json_object_get(one, "proxy_error"), "%*.3g", 11);
+        print_number(json_object_get(one, "proxy_seconds"), "%*.4f", 9);
+        fputc('\n', stderr);
+    }
+    fprintf(stderr, "    * %s\n", text_at(tolerance, "why"));
+}
+
+int summary_judge(const char *out, const char *stats_json) {
+    json_t *stats = json_loads(stats_json, 0, NULL), *tolerance = json_object_get(stats, "tolerance");
+    const bool reached = json_is_true(json_object_get(tolerance, "reached"));
+    if (!reached)
+        report_failure("%s: the tolerance of %g is not reached: the error is %.3g; %s", out,
+                       number_at(tolerance, "asked"), number_at(tolerance, "error"), text_at(tolerance, "why"));
+    json_decref(stats);
+    return reached ? EXIT_DONE : EXIT_FAILED;
 }
 
 void summary_print(const char *scene_path, const char *out, const char *stats_json) {
@@ -84,5 +150,9 @@ void summary_print(const char *scene_path, const char *out, const char *stats_js
     print_seconds(stats);
     print_truncation(stats);
     print_features(stats);
+    if (json_object_get(stats, "verification"))
+        print_verification(json_object_get(stats, "verification"));
+    if (json_object_get(stats, "tolerance"))
+        print_tolerance(json_object_get(stats, "tolerance"));
     json_decref(stats);
 }

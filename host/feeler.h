@@ -82,7 +82,7 @@ FEELER_API const char *feeler_scene_warning(const feeler_scene *scene, int index
 
 /* ---- settings ---- */
 
-enum { FEELER_DRAFT, FEELER_STANDARD, FEELER_REFERENCE };
+enum { FEELER_LEVEL_ANY = -1, FEELER_DRAFT, FEELER_STANDARD, FEELER_REFERENCE };
 
 /* What may be had beside the picture, see docs/command-line.md: each is a bit. */
 enum {
@@ -107,7 +107,7 @@ typedef struct feeler_settings {
     double jitter;     /* 0 … 1; negative: the scene's */
     int depth;         /* greatest depth, the eye ray's being 1; 0: the scene's */
     double cutoff;     /* 0 … 1; negative: the scene's */
-    int level;         /* FEELER_DRAFT, _STANDARD, _REFERENCE */
+    int level;         /* FEELER_DRAFT, _STANDARD, _REFERENCE; _LEVEL_ANY for feeler_render_within alone */
     int region[4];     /* x0, y0, x1, y1, half open, pixels; all 0: the whole picture */
     int transparent;   /* 1: the background does not show, alpha is the coverage */
     int work_group[2]; /* x, y; 0: the one that is kept for this device and kernel (see feeler_tuned_keep), or chosen */
@@ -199,6 +199,60 @@ FEELER_API int feeler_image_can_save(const char *path, const feeler_save_options
 FEELER_API int feeler_image_load_begin(const char *path, feeler_error *error);
 /* Ends that thread, before exit(). What it has not loaded is loaded when a picture is saved. */
 FEELER_API void feeler_image_load_end(void);
+
+/* ---- comparing ---- */
+
+/* Reads .exr .hdr .png .tif .jpg and what else OpenImageIO reads. Whole numbers are sRGB and are made linear, unless the
+ * file says that they are; alpha is associated, 1 where there is none. */
+FEELER_API feeler_image *feeler_image_load(const char *path, feeler_error *error);
+/* Copies width x height x channels doubles, row major from the top left: grey (1), RGB (3) or RGBA (4), as in
+ * feeler_image_pixels. */
+FEELER_API feeler_image *feeler_image_from_pixels(const double *values, int width, int height, int channels,
+                                                  feeler_error *error);
+
+/* How far a picture is from another. Colours alone count, as they are over black: linear, clamped to 0 … 1. A pixel's
+ * difference is the greatest of its channels'; it is 1 where a channel of either picture is not finite. Pixels that differ by
+ * more than 1/255 are flips: a decision went the other way. The values of all others are measured apart from them. */
+typedef struct feeler_difference {
+    int64_t pixels;
+    int64_t nonfinite; /* pixels */
+    double max;
+    double p999;   /* 99.9th percentile of the pixels' differences, linear between neighbours */
+    double rmse;   /* over pixels and channels */
+    double flip;   /* mean of LDR-FLIP at 67 pixels per degree */
+    int64_t flips; /* pixels */
+    double share;  /* of the pixels that are flips */
+    double value_max, value_p999, value_rmse; /* of the pixels that are not flips */
+} feeler_difference;
+
+/* 0, or -1 where the pictures have not the same size or show different regions. */
+FEELER_API int feeler_compare(const feeler_image *image, const feeler_image *reference, feeler_difference *difference,
+                              feeler_error *error);
+/* The figures as JSON text, to be freed with feeler_free. */
+FEELER_API char *feeler_difference_json(const feeler_difference *difference, feeler_error *error);
+
+enum { FEELER_MAP_ABSOLUTE, FEELER_MAP_FLIP };
+
+/* A picture of the difference: of each channel times *factor (0: a power of two by which all but a thousandth of the
+ * pixels are below 1, put into *factor), or LDR-FLIP in grey, whose factor is 1 by default. */
+FEELER_API feeler_image *feeler_difference_image(const feeler_image *image, const feeler_image *reference, int map,
+                                                 double *factor, feeler_error *error);
+
+/* Renders what a rendered image shows at FEELER_REFERENCE, with the same samples, depth and cutoff, and returns that picture:
+ * what differs is the level's error of precision. The figures, and apart from them the bound of what truncation did, go
+ * into the image's statistics as "verification". An image of FEELER_REFERENCE is an error. NULL also where progress asked to
+ * stop. */
+FEELER_API feeler_image *feeler_verify(const feeler_scene *scene, feeler_image *image, feeler_device *device,
+                                       feeler_progress progress, void *user, feeler_error *error);
+
+/* Renders with the cheapest level, samples and cutoff whose error is below `tolerance`, 0 … 1: the 99.9th percentile of
+ * feeler_difference against FEELER_REFERENCE with many samples at the same depth. Of the settings those are kept that are given:
+ * a level (FEELER_LEVEL_ANY: free), samples (0: free), a cutoff (negative: free). What was chosen, why and the error that was
+ * measured is in the statistics as "tolerance"; where its "reached" is false, the picture is the best that was found.
+ * Needs a device with double precision. Progress is that of the picture; it is 0 while settings are sought. */
+FEELER_API feeler_image *feeler_render_within(const feeler_scene *scene, const feeler_settings *settings,
+                                              double tolerance, feeler_device *device, feeler_progress progress,
+                                              void *user, feeler_error *error);
 
 /* ---- work groups that were found best ---- */
 

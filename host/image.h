@@ -34,12 +34,23 @@ struct feeler_image {
     char **materials;         /* owned, and their names; only beside the channel */
     size_t material_count;
     char *scene_name; /* owned */
-    char *options;    /* the kernels' build options; owned */
+    char *options;    /* the kernels' build options; owned; NULL: no render made it */
     render_stats stats;
-    char *stats_json; /* owned, made on request */
+    struct json_t *reports; /* what else the statistics say: see verify.c and tolerance.c; owned; may be NULL */
+    char *stats_json;       /* owned, made on request */
 };
 
-/* 0, or -1 when it is known that no picture can be written. `path` begins the message. */
+/* Adds a report to the picture's statistics; takes it. -1: out of memory, as where it is NULL. */
+int image_report(feeler_image *image, const char *key, struct json_t *report, feeler_error *error);
+/* "draft", "standard", "reference". Static. */
+const char *level_name(int level);
+/* A number, or "unbounded" where it is infinite; a new reference. */
+struct json_t *describe_bound(double value);
+
+/* A black picture of doubles that no render made; NULL: bad size or out of memory. */
+feeler_image *image_new(int width, int height, feeler_error *error);
+
+/* 0, or -1 when it is known that no picture can be read or written. `path` begins the message. */
 int image_io_known(const char *path, feeler_error *error);
 /* image_io.cpp, the only file that knows OpenImageIO, in a library of its own (image_plugin.c). Writes the whole file under exactly this name, in the format that
  * `format_name` ("x.exr" or only the ending) tells. */
@@ -47,5 +58,8 @@ int image_io_write(const feeler_image *image, const char *path, const char *form
                    const feeler_save_options *options, feeler_error *error);
 int feeler_image_io_write(const feeler_image *image, const char *path, const char *format_name,
                           const feeler_save_options *options, feeler_error *error);
+/* Fills an empty image, as feeler_image_load gives it. What it allocated on failure is the image's to free. */
+int image_io_read(feeler_image *image, const char *path, feeler_error *error);
+int feeler_image_io_read(feeler_image *image, const char *path, feeler_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* image_plugin.c - loads the part that writes files when it is first needed, or beside what a render does before:
+/* image_plugin.c - loads the part that reads and writes files when it is first needed, or beside what a render does before:
  * OpenImageIO and what it pulls in take a quarter of a second to load, which no other command should wait for. */
 #define _GNU_SOURCE
 #include "image.h"
@@ -12,6 +12,7 @@
 #include <string.h>
 
 typedef int (*writer)(const feeler_image *, const char *, const char *, const feeler_save_options *, feeler_error *);
+typedef int (*reader)(feeler_image *, const char *, feeler_error *);
 
 /* What OpenImageIO pulls in, each library after those that it needs. */
 static const char *const libraries[] = {
@@ -22,6 +23,7 @@ enum { UNKNOWN, LOADED, MISSING };
 static pthread_mutex_t loading = PTHREAD_MUTEX_INITIALIZER; /* held by who loads */
 static atomic_int known;                                    /* set when what follows is */
 static writer write_image;
+static reader read_image;
 static char why[512];
 
 static struct {
@@ -48,14 +50,16 @@ static void load_whole(void) {
     int folder = slash ? (int)(slash + 1 - here.dli_fname) : 0;
     snprintf(path, sizeof path, "%.*s%s", folder, here.dli_fname, name);
     void *library = dlopen(path, RTLD_LAZY | RTLD_LOCAL);
-    void *symbol = library ? dlsym(library, "feeler_image_io_write") : NULL;
-    if (symbol)
-        memcpy(&write_image, &symbol, sizeof write_image); /* ISO C has no cast from object to function */
-    else {
+    void *writes = library ? dlsym(library, "feeler_image_io_write") : NULL;
+    void *reads = writes ? dlsym(library, "feeler_image_io_read") : NULL;
+    if (reads) { /* ISO C has no cast from object to function */
+        memcpy(&write_image, &writes, sizeof write_image);
+        memcpy(&read_image, &reads, sizeof read_image);
+    } else {
         const char *reason = dlerror();
         snprintf(why, sizeof why, "%.500s", reason ? reason : path);
     }
-    known = symbol ? LOADED : MISSING;
+    known = reads ? LOADED : MISSING;
 }
 
 /* Waits for another thread that is at it. */
@@ -74,7 +78,7 @@ static void *load_ahead(void *unused) {
 }
 
 int image_io_known(const char *path, feeler_error *error) {
-    return known == MISSING ? fail(error, FEELER_IO, "%s: cannot write pictures: %s", path, why) : 0;
+    return known == MISSING ? fail(error, FEELER_IO, "%s: cannot read or write pictures: %s", path, why) : 0;
 }
 
 int feeler_image_load_begin(const char *path, feeler_error *error) {
@@ -98,4 +102,9 @@ int image_io_write(const feeler_image *image, const char *path, const char *form
                    const feeler_save_options *options, feeler_error *error) {
     load(NULL);
     return image_io_known(format_name, error) < 0 ? -1 : write_image(image, path, format_name, options, error);
+}
+
+int image_io_read(feeler_image *image, const char *path, feeler_error *error) {
+    load(NULL);
+    return image_io_known(path, error) < 0 ? -1 : read_image(image, path, error);
 }

@@ -48,6 +48,12 @@ typedef struct job {
     size_t done;                        /* pixels */
 } job;
 
+/* Renders regions of one size, each into an image of its own, with one preparation; the first is that of the settings. How
+ * many were made: fewer where `progress` asked to stop, which the error then says. -1: none. */
+int render_regions(const feeler_scene *scene, const feeler_settings *settings, const int (*regions)[4], int count,
+                   feeler_device *device, feeler_progress progress, void *user, feeler_image **images,
+                   feeler_error *error);
+
 /* Bytes of the kernels' `real`. */
 size_t real_size(const job *job);
 size_t tile_pixels(const tile *tile);

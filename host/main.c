@@ -15,6 +15,7 @@ static const verb verbs[] = {
     {"render", cmd_render, "render scenes to pictures"},
     {"info", cmd_info, "show what a scene contains and needs"},
     {"pixel", cmd_pixel, "tell why a pixel has its colour"},
+    {"compare", cmd_compare, "measure how far two pictures are apart"},
     {"bench", cmd_bench, "measure how fast work groups are"},
     {"devices", cmd_devices, "list OpenCL platforms and devices"},
     {"doctor", cmd_doctor, "check the installation and say how to mend it"},

@@ -193,8 +193,9 @@ static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_er
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     stats->truncation_bound = truncation_bound(scene, j->discarded, lights);
     free(lights);
-    j->image->options = j->options;
-    j->options = NULL;
+    j->image->options = strdup(j->options);
+    if (!j->image->options)
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     stats->load = scene->load_seconds;
     stats->tree = j->packed.tree_seconds;
     stats->compile += j->program.seconds + j->survey.seconds;
@@ -227,25 +228,46 @@ void close_job(job *j) {
     packed_free(&j->packed);
 }
 
-feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
-                            feeler_progress progress, void *user, feeler_error *error) {
+/* Renders the region of the settings with what is prepared. */
+static int render_region(job *j, const feeler_scene *scene, double start, feeler_progress progress, void *user,
+                         feeler_error *error) {
+    memset(j->discarded, 0, sizeof j->discarded);
+    j->discarded_sum = 0;
+    j->done = 0;
+    tiles_start(&j->tiles, j->settings.region, j->group, j->tiles.budget);
+    j->image = new_image(j, scene, error);
+    if (!j->image || open_channels(j, scene, error) < 0 || run_tiles(j, progress, user, error) < 0)
+        return -1;
+    return fill_stats(j, scene, start, error);
+}
+
+int render_regions(const feeler_scene *scene, const feeler_settings *settings, const int (*regions)[4], int count,
+                   feeler_device *device, feeler_progress progress, void *user, feeler_image **images,
+                   feeler_error *error) {
     double start = seconds_now();
     job j = {.device = device};
-    int status = resolve_settings(scene, settings, &j.settings, error);
+    int status = resolve_settings(scene, settings, &j.settings, error), made = 0;
     if (status == 0)
         status = open_job(&j, scene, progress, user, error);
-    if (status == 0)
-        status = (j.image = new_image(&j, scene, error)) ? open_channels(&j, scene, error) : -1;
-    if (status == 0)
-        status = run_tiles(&j, progress, user, error);
-    if (status == 0)
-        status = fill_stats(&j, scene, start, error);
+    for (; made < count && status == 0 && (made == 0 || !j.stop); made++) {
+        if (made > 0)
+            memcpy(j.settings.region, regions[made], sizeof j.settings.region);
+        status = render_region(&j, scene, start, progress, user, error);
+        images[made] = j.image;
+    }
     if (status < 0) {
         /* Nothing may still write to what is about to be freed. */
         clFinish(device->queue);
-        feeler_image_free(j.image);
-        j.image = NULL;
+        while (made > 0)
+            feeler_image_free(images[--made]);
     }
     close_job(&j);
-    return j.image;
+    return status < 0 ? -1 : made;
+}
+
+feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
+                            feeler_progress progress, void *user, feeler_error *error) {
+    feeler_image *image;
+    return render_regions(scene, settings, &settings->region, 1, device, progress, user, &image, error) == 1 ? image
+                                                                                                             : NULL;
 }

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from spheres import write_spheres
 
-COMMANDS = ["render", "info", "bench", "devices", "doctor"]
+COMMANDS = ["render", "info", "compare", "bench", "devices", "doctor"]
 
 
 @pytest.fixture

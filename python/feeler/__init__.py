@@ -22,6 +22,7 @@ shows itself.
 It renders on the first CPU device by default. `feeler.devices()` lists others, and `scene.render(queue=queue)` takes a
 pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
 `print(scene.pixel(x, y))` tells all that the rays of one pixel do.
+`feeler.compare(a, b)` measures how far two pictures are apart, be they images, arrays or files.
 `feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` measured.
 
 Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
@@ -33,10 +34,11 @@ from types import ModuleType
 
 from ._device import devices, kernel_options, kernel_source
 from ._library import Error, lib, to_string
+from .compare import Difference, compare
 from .image import Image
 from .pixel import Pixel
 from .probe import probe
-from .scene import Scene, load
+from .scene import Scene, Verification, load
 
 __version__: str = to_string(lib.feeler_version())
 
@@ -48,4 +50,7 @@ def __getattr__(name: str) -> ModuleType:
     raise AttributeError(f"module 'feeler' has no attribute '{name}'")
 
 
-__all__ = ["Error", "Image", "Pixel", "Scene", "devices", "kernel_options", "kernel_source", "load", "probe"]
+__all__ = [
+    "Difference", "Error", "Image", "Pixel", "Scene", "Verification", "compare", "devices", "kernel_options", "kernel_source",
+    "load", "probe",
+]  # fmt: skip

@@ -66,7 +66,7 @@ def make_settings(
     jitter: float | None = None,
     depth: int | None = None,
     cutoff: float | None = None,
-    level: str = "standard",
+    level: str | None = "standard",
     region: tuple[int, int, int, int] | None = None,
     alpha: bool = False,
     work_group: tuple[int, int] | None = None,
@@ -77,8 +77,8 @@ def make_settings(
     brute_force: bool = False,
     channels: str | Sequence[str] | None = None,
 ) -> Any:
-    """A feeler_settings; what is None stays as the library has it by default."""
-    if level not in LEVELS:
+    """A feeler_settings; what is None stays as the library has it by default. The level None is any."""
+    if level is not None and level not in LEVELS:
         raise Error(f"unknown level {level!r}: it is one of {', '.join(LEVELS)}")
     settings = ffi.new("feeler_settings *")
     lib.feeler_settings_default(settings)
@@ -97,7 +97,7 @@ def make_settings(
         _set(settings, "work_group", _whole("work_group", work_group, 2))
     if pixels is not None:
         _set(settings, "pixels", _whole("pixels", pixels, 2))
-    settings.level = LEVELS.index(level)
+    settings.level = lib.FEELER_LEVEL_ANY if level is None else LEVELS.index(level)
     settings.transparent, settings.general, settings.brute_force = bool(alpha), bool(general), bool(brute_force)
     if channels is not None:
         names = channels if isinstance(channels, str) else ",".join(channels)

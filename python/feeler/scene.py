@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from ._device import kernel_options, make_settings, open_device, warn_of_tuned
 from ._library import INTERRUPTED, Error, call, check, ffi, lib, new_error, take_json, take_text, to_bytes, to_string
 from ._nodes import build_node
+from .compare import Difference, compare
 from .image import Image
 from .pixel import Pixel
 
@@ -78,9 +80,10 @@ class Scene:
         jitter: float | None = None,
         depth: int | None = None,
         cutoff: float | None = None,
-        level: str = "standard",
+        level: str | None = None,
         region: tuple[int, int, int, int] | None = None,
         alpha: bool = False,
+        tolerance: float | None = None,
         queue: Any = None,
         device: str | int | None = None,
         work_group: tuple[int, int] | None = None,
@@ -103,9 +106,13 @@ class Scene:
             jitter: 0 (samples in their cells' centres) to 1 (anywhere in their cells).
             depth: how many rays may follow each other, the eye ray being the first.
             cutoff: rays whose weight is below it are not sent; 0 to 1.
-            level: "draft", "standard" (float32, robust) or "reference" (float64).
+            level: "draft", "standard" (float32, robust; the default) or "reference" (float64).
             region: x0, y0, x1, y1, half open, pixels from the top left: render only these.
             alpha: True leaves the background out of the colour; the alpha is then the coverage.
+            tolerance: find the cheapest level, samples and cutoff, of those that are not given, whose error is below
+                it: the 99.9th percentile of `feeler.compare` against level "reference" with many samples.
+                `stats["tolerance"]` says what was chosen, why, and the error; where its "reached" is false the image
+                is the best that was found.
             queue: a pyopencl.CommandQueue to render on.
             device: a number in `feeler.devices()` or part of a device's name, instead of a queue.
             work_group: x, y; by default the one that `feeler bench --save` keeps for this device and kernel, if any.
@@ -119,6 +126,8 @@ class Scene:
             progress: True shows a bar; a function is called several times a second with the share done, 0 to 1, and
                 stops the render by returning something true: the image so far is then returned, `interrupted`.
         """
+        if level is None and tolerance is None:
+            level = "standard"
         settings = make_settings(
             size=size, samples=samples, jitter=jitter, depth=depth, cutoff=cutoff, level=level, region=region,
             alpha=alpha, work_group=work_group, pixels=pixels, lanes=lanes, tile=tile, general=general,
@@ -129,10 +138,13 @@ class Scene:
         opened = open_device(device, queue)
         with _Reporter(progress) as reporter, self._lock, opened.lock:
             error = new_error()
-            pointer = check(
-                lib.feeler_render(self._pointer, settings, opened.pointer, reporter.callback, ffi.NULL, error), error
-            )
-            image = Image(pointer, interrupted=error.code == INTERRUPTED, alpha=alpha)
+            rest = opened.pointer, reporter.callback, ffi.NULL, error
+            if tolerance is None:
+                pointer = lib.feeler_render(self._pointer, settings, *rest)
+            else:
+                pointer = lib.feeler_render_within(self._pointer, settings, _number("tolerance", tolerance), *rest)
+            reporter.raise_caught_without(pointer)
+            image = Image(check(pointer, error), interrupted=error.code == INTERRUPTED, alpha=alpha)
         reporter.raise_caught(image)
         return image
 
@@ -170,11 +182,60 @@ class Scene:
         with self._lock, opened.lock:
             return Pixel(take_text(call(lib.feeler_pixel_json, self._pointer, settings, opened.pointer, *at)))
 
+    def verify(self, **settings: Any) -> Verification:
+        """Renders twice, as it is asked and at level "reference" with the same samples, and compares.
+
+        Takes the settings of `render` but tolerance; level is "draft" or "standard". The figures are those of
+        precision; what depth and cutoff left away is bounded apart from them.
+        """
+        device, queue, progress = (settings.get(name) for name in ("device", "queue", "progress"))
+        if settings.get("tolerance") is not None:
+            raise Error("verify takes no tolerance, which measures the error already")
+        image = self.render(**settings)
+        if image.interrupted:
+            raise Error("the render was interrupted: there is nothing to verify", code=INTERRUPTED)
+        opened = open_device(device, queue)
+        with _Reporter(progress) as reporter, self._lock, opened.lock:
+            error = new_error()
+            pointer = lib.feeler_verify(
+                self._pointer, image._pointer, opened.pointer, reporter.callback, ffi.NULL, error
+            )
+            reporter.raise_caught_without(pointer)
+            reference = Image(check(pointer, error), interrupted=False, alpha=image._alpha)
+        bound = image.stats["verification"]["truncation_bound"]
+        return Verification(
+            image, reference, compare(image, reference), float("inf") if bound == "unbounded" else float(bound)
+        )
+
 
 def _whole(name: str, value: int) -> int:
     if not hasattr(value, "__index__") or not 0 <= value.__index__() < 2**31:
         raise Error(f"{name} is a whole number from 0 on, not {value!r}")
     return value.__index__()
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise Error(f"{name} is a number, not {value!r}") from None
+
+
+@dataclass(frozen=True)
+class Verification:
+    """A picture beside its own at level "reference".
+
+    Attributes:
+        image: as it was asked; its `stats["verification"]` has the figures.
+        reference: with the same samples, depth and cutoff, in double precision.
+        precision: how far they are apart.
+        truncation_bound: greatest error of a channel by rays that depth or cutoff did not let go; maybe infinite.
+    """
+
+    image: Image
+    reference: Image
+    precision: Difference
+    truncation_bound: float
 
 
 class _Reporter:
@@ -193,6 +254,11 @@ class _Reporter:
 
     def _catch(self, _kind: Any, exception: BaseException, _traceback: Any) -> None:
         self.caught = self.caught or exception
+
+    def raise_caught_without(self, pointer: Any) -> None:
+        """Where what was caught left no image."""
+        if self.caught is not None and not pointer:
+            raise self.caught
 
     def raise_caught(self, image: Image) -> None:
         if self.caught is not None:
