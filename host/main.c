@@ -15,6 +15,7 @@ static const verb verbs[] = {
     {"render", cmd_render, "render scenes to pictures"},
     {"info", cmd_info, "show what a scene contains and needs"},
     {"bench", cmd_bench, "measure how fast work groups are"},
+    {"chart", cmd_chart, "chart speed against accuracy"},
     {"devices", cmd_devices, "list OpenCL platforms and devices"},
     {"doctor", cmd_doctor, "check the installation and say how to mend it"},
 };
