@@ -95,9 +95,8 @@ def test_labels_are_all_there_and_apart(results: Accuracy) -> None:
     assert not [pair for pair in itertools.combinations(boxes, 2) if pair[0].overlaps(pair[1])]
     points = left.transData.transform([(1000 * p.median, p.error.rmse) for p in results.points])
     assert not any(box.contains(*point) for box in boxes for point in points)
-    frame, legend = left.get_window_extent(), left.get_legend().get_window_extent()
+    frame = left.get_window_extent()
     assert all(frame.contains(box.x0, box.y0) and frame.contains(box.x1, box.y1) for box in boxes)
-    assert not any(box.overlaps(legend) for box in boxes)
 
 
 def test_parts_by_samples() -> None:
@@ -107,7 +106,7 @@ def test_parts_by_samples() -> None:
     assert drawn["standard's arithmetic"] == ([1, 16], [3e-2 / 2, 4e-3 / 2])
     assert drawn["standard's without flips"] == ([1, 16], [3e-2 / 6, 4e-3 / 6])
     assert drawn["draft's arithmetic"] == ([1], [3.1e-2 / 2])
-    assert texts(right) == ["1 %", "1 %", "1 %"]
+    assert texts(right) == ["1 %", "1 %"], "once where levels agree"
 
 
 def test_another_metric() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from ._figure import Figure, FuncFormatter, Line2D, LogLocator, NullFormatter, number, save_figure
 from ._labels import Label, place_labels
 from ._library import BAD_INPUT, BAD_USAGE, Error
-from .accuracy import Accuracy, Difference, Point, pareto_front, read
+from .accuracy import Accuracy, Difference, Point, read
 
 # Shapes tell what is varied; on the front they are filled.
 _MARKERS = {"draft": "v", "standard": "o", "reference": "s", "depth": "^", "cutoff": "p", "method": "D"}
@@ -22,6 +22,7 @@ _KEYS = {
     "method": "other method",
 }
 _NOISE: dict[str, Any] = {"color": "black", "linestyle": (0, (6, 4)), "linewidth": 0.7}
+_BELOW: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.08), "fontsize": 8, "frameon": False}
 _METRICS = {"rmse": "error: RMSE", "p999": "error of the 99.9th percentile"}
 
 
@@ -103,7 +104,7 @@ def _draw_points(axes: Any, measured: Accuracy, metric: str) -> list[Label]:
     errors = [getattr(point.error, metric) for point in points]
     heights = _heights(errors)
     times = [1000 * point.median for point in points]
-    front = pareto_front(list(zip(times, errors, strict=True)))
+    front = measured.front_by(metric)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.plot(
@@ -120,7 +121,7 @@ def _draw_points(axes: Any, measured: Accuracy, metric: str) -> list[Label]:
         axes.errorbar(
             times[place], heights[place], xerr=[[low], [high]], fmt=_MARKERS[_kind(point)], markersize=6,
             markerfacecolor="black" if place in front else "white", markeredgecolor="black", markeredgewidth=0.9,
-            ecolor="black", elinewidth=0.9, capsize=2.5, zorder=3,
+            ecolor="black", elinewidth=0.9, capsize=2.5, zorder=4,
         )  # fmt: skip
         if point.default:
             axes.plot(times[place], heights[place], "o", markersize=15, fillstyle="none", color="black", zorder=2)
@@ -128,13 +129,11 @@ def _draw_points(axes: Any, measured: Accuracy, metric: str) -> list[Label]:
         _draw_noise(axes, measured.truth.noise)
     axes.set_xlabel("kernel time, ms (median and quartiles)")
     axes.set_ylabel(f"{_METRICS[metric]} against the truth")
+    axes.margins(0.08)
     _set_ticks(axes.xaxis, number)
     _set_ticks(axes.yaxis, "{:g}".format)
-    axes.margins(0.08)
-    axes.grid(color="0.93", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(handles=_keys(points, measured.truth.noise if metric == "rmse" else 0), fontsize=8, frameon=False)
+    _finish(axes)
+    axes.legend(handles=_keys(points, measured.truth.noise if metric == "rmse" else 0), **_BELOW, ncols=4)
     labels = [
         Label(x, y, _label(p), "bold" if p.default else "normal")
         for x, y, p in zip(times, heights, points, strict=True)
@@ -165,21 +164,24 @@ def _draw_noise(axes: Any, noise: float) -> None:
 
 
 def _set_ticks(axis: Any, write: Any) -> None:
-    """Numbers at 1, 2 and 5 of each decade, for a range may be less than one."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=12))
+    """Numbers at 1, 2 and 5 of each decade, or of many decades at 1."""
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 1000 * low else (1,), numticks=14))
     axis.set_major_formatter(FuncFormatter(lambda value, _place: write(value)))
     axis.set_minor_formatter(NullFormatter())
 
 
+def _finish(axes: Any) -> None:
+    axes.grid(color="0.93", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
 def _marked(figure: Figure, axes: Any, labels: Sequence[Label]) -> list[tuple[float, float, float, float]]:
-    """What labels must not cover: the points, and the legend."""
+    """What labels must not cover: the points."""
     reach = 4.5 * figure.dpi / 72
-    boxes = []
-    for label in labels:
-        x, y = axes.transData.transform((label.x, label.y))
-        boxes.append((x - reach, y - reach, x + reach, y + reach))
-    legend = axes.get_legend().get_window_extent()
-    return [*boxes, (legend.x0, legend.y0, legend.x1, legend.y1)]
+    places = [axes.transData.transform((label.x, label.y)) for label in labels]
+    return [(x - reach, y - reach, x + reach, y + reach) for x, y in places]
 
 
 # ---- what errors consist of ----
@@ -192,35 +194,43 @@ def _draw_parts(axes: Any, measured: Accuracy, metric: str) -> None:
     axes.set_yscale("log")
     sampling = {count: next(p[count] for p in levels.values() if count in p).sampling for count in counts}
     _draw_curve(axes, sampling, metric, "D-", "too few samples")
-    for level in ("draft", "standard"):
+    written: set[tuple[int, float]] = set()
+    for level in ("standard", "draft"):
         precision = {count: point.precision for count, point in levels[level].items()}
         _draw_curve(axes, precision, metric, f"{_MARKERS[level]}-", f"{level}'s arithmetic")
         if metric == "rmse":
-            values = {count: part for count, part in precision.items() if part.flips}
-            _draw_curve(axes, values, "values", f"{_MARKERS[level]}:", f"{level}'s without flips")
-            for count, part in values.items():
-                axes.annotate(
-                    f"{100 * part.flips:.2g} %", (count, part.rmse), (0, 10 if level == "draft" else -10),
-                    textcoords="offset points", ha="center", va="center", fontsize=7,
-                )  # fmt: skip
+            _draw_flips(axes, precision, level, written)
     if metric == "rmse" and measured.truth.noise > 0:
         _draw_noise(axes, measured.truth.noise)
     axes.set_xticks(counts, [str(count) for count in counts])
     axes.set_xticks([], minor=True)
-    _set_ticks(axes.yaxis, "{:g}".format)
     axes.set_xlabel("samples a pixel")
     axes.set_ylabel(_METRICS[metric])
     axes.set_title("parts of the error; numbers: pixels off by > 1/255", fontsize=9)
     axes.margins(0.1)
-    axes.grid(color="0.93", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    _set_ticks(axes.yaxis, "{:g}".format)
+    _finish(axes)
     if axes.lines:
-        axes.legend(fontsize=8, frameon=False)
+        axes.legend(**_BELOW, ncols=2)
+
+
+def _draw_flips(axes: Any, precision: Mapping[int, Difference], level: str, written: set[tuple[int, float]]) -> None:
+    """What is left without the pixels that flipped, and their share, once where levels agree."""
+    flipped = {count: part for count, part in precision.items() if part.flips}
+    if flipped:
+        _draw_curve(axes, precision, "values", f"{_MARKERS[level]}:", f"{level}'s without flips")
+    for count, part in flipped.items():
+        if (count, part.flips) not in written:
+            axes.annotate(
+                f"{100 * part.flips:.2g} %", (count, part.rmse), (0, 10 if level == "standard" else -10),
+                textcoords="offset points", ha="center", va="center", fontsize=7,
+            )  # fmt: skip
+        written.add((count, part.flips))
 
 
 def _by_samples(points: Sequence[Point], level: str) -> dict[int, Point]:
-    return {point.setting.samples: point for point in points if _kind(point) == level}
+    found = {point.setting.samples: point for point in points if _kind(point) == level}
+    return dict(sorted(found.items()))
 
 
 def _draw_curve(axes: Any, parts: Mapping[int, Difference], metric: str, style: str, text: str) -> None:

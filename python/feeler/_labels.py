@@ -41,6 +41,7 @@ def place_labels(
         note = axes.annotate(
             label.text, (label.x, label.y), (0, 0), textcoords="offset points", ha="center", va="center",
             fontsize=size, weight=label.weight, annotation_clip=False,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
         )  # fmt: skip
         note.set_in_layout(False)
         extent = note.get_window_extent()

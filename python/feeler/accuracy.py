@@ -175,7 +175,11 @@ class Accuracy:
     @property
     def front(self) -> list[int]:
         """The points that none beats in both time and error, by place, the fastest first."""
-        return pareto_front([(point.median, point.error.rmse) for point in self.points])
+        return self.front_by("rmse")
+
+    def front_by(self, metric: str) -> list[int]:
+        """The same by another number of the error. Its third digit does not count: nobody would wait for it."""
+        return pareto_front([(point.median, float(f"{getattr(point.error, metric):.1e}")) for point in self.points])
 
     def to_json(self) -> str:
         """Everything, for `read`."""
