@@ -189,6 +189,9 @@ def test_failures(nothing_measured: Any, scene: Path, tmp_path: Path, capsys: An
     assert run(scene, "missing.nff") == 1
     assert run(scene, "missing.nff", specialised=True) == 1
     assert nothing_measured == []
+    (tmp_path / "a.json").mkdir()
+    assert run(scene, out="a") == 1
+    assert capsys.readouterr().err.endswith("feeler: a.json: Is a directory\n")
 
 
 def test_an_interruption(monkeypatch: pytest.MonkeyPatch, scene: Path, tmp_path: Path, capsys: Any) -> None:

@@ -101,30 +101,20 @@ def _heights(values: Sequence[float]) -> list[float]:
 def _draw_points(axes: Any, measured: Accuracy, metric: str) -> list[Label]:
     """Points and lines; gives back what is to be written beside them, the most important first."""
     points = measured.points
-    errors = [getattr(point.error, metric) for point in points]
-    heights = _heights(errors)
+    heights = _heights([getattr(point.error, metric) for point in points])
     times = [1000 * point.median for point in points]
-    front = measured.front_by(metric)
+    places = dict(zip(points, zip(times, heights, strict=True), strict=True))
+    front = [points[place] for place in measured.front_by(metric)]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.plot(
-        [times[place] for place in front], [heights[place] for place in front],
-        drawstyle="steps-post", color="0.8", linewidth=4, zorder=0, label="Pareto front",
-    )  # fmt: skip
+    steps = {"drawstyle": "steps-post", "color": "0.8", "linewidth": 4, "zorder": 0, "label": "Pareto front"}
+    axes.plot(*zip(*(places[point] for point in front), strict=True), **steps)
     for level, style in _LINES.items():
-        of_level = sorted((p.setting.samples, times[i], heights[i]) for i, p in enumerate(points) if _kind(p) == level)
-        axes.plot(
-            [x for _, x, _ in of_level], [y for _, _, y in of_level], style, color="black", linewidth=0.8, zorder=1
-        )
-    for place, point in enumerate(points):
-        low, high = (abs(1000 * end - times[place]) for end in point.quartiles)
-        axes.errorbar(
-            times[place], heights[place], xerr=[[low], [high]], fmt=_MARKERS[_kind(point)], markersize=6,
-            markerfacecolor="black" if place in front else "white", markeredgecolor="black", markeredgewidth=0.9,
-            ecolor="black", elinewidth=0.9, capsize=2.5, zorder=4,
-        )  # fmt: skip
-        if point.default:
-            axes.plot(times[place], heights[place], "o", markersize=15, fillstyle="none", color="black", zorder=2)
+        if by_samples := _by_samples(points, level):
+            line = zip(*(places[point] for point in by_samples.values()), strict=True)
+            axes.plot(*line, style, color="black", linewidth=0.8, zorder=1)
+    for point in points:
+        _draw_point(axes, point, places[point], point in front)
     if metric == "rmse" and measured.truth.noise > 0:
         _draw_noise(axes, measured.truth.noise)
     axes.set_xlabel("kernel time, ms (median and quartiles)")
@@ -134,11 +124,19 @@ def _draw_points(axes: Any, measured: Accuracy, metric: str) -> list[Label]:
     _set_ticks(axes.yaxis, "{:g}".format)
     _finish(axes)
     axes.legend(handles=_keys(points, measured.truth.noise if metric == "rmse" else 0), **_BELOW, ncols=4)
-    labels = [
-        Label(x, y, _label(p), "bold" if p.default else "normal")
-        for x, y, p in zip(times, heights, points, strict=True)
-    ]
+    labels = [Label(*places[point], _label(point), "bold" if point.default else "normal") for point in points]
     return sorted(labels, key=lambda label: (label.weight != "bold", not label.text.isdigit()))
+
+
+def _draw_point(axes: Any, point: Point, place: tuple[float, float], on_front: bool) -> None:
+    low, high = (abs(1000 * end - place[0]) for end in point.quartiles)
+    axes.errorbar(
+        *place, xerr=[[low], [high]], fmt=_MARKERS[_kind(point)], markersize=6,
+        markerfacecolor="black" if on_front else "white", markeredgecolor="black", markeredgewidth=0.9,
+        ecolor="black", elinewidth=0.9, capsize=2.5, zorder=4,
+    )  # fmt: skip
+    if point.default:
+        axes.plot(*place, "o", markersize=15, fillstyle="none", color="black", zorder=2)
 
 
 def _keys(points: Sequence[Point], noise: float) -> list[Line2D]:

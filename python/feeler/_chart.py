@@ -16,7 +16,7 @@ from typing import Any
 from . import charts, specialisation, sweep
 from ._library import BAD_USAGE, IO, Error
 from .accuracy import PARTS, Accuracy
-from .scene import load
+from .scene import Scene, load
 
 PAIRS = 3  # of compilations
 ENDINGS = (".png", ".svg", ".json", ".csv")
@@ -54,6 +54,9 @@ def main(text: str) -> int:
     except Error as error:
         print(f"feeler: {error}", file=sys.stderr)
         return 2 if error.kind == "bad usage" else 130 if error.kind == "interrupted" else 1
+    except OSError as error:
+        print(f"feeler: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("feeler: interrupted; of what is not finished nothing is written", file=sys.stderr)
         return 130
@@ -63,7 +66,7 @@ def main(text: str) -> int:
 def _chart_accuracy(request: Request) -> None:
     names = [Path(path).stem for path in request.scenes]
     bases = _bases(request.out, names, "accuracy-{name}")
-    scenes = [load(path) for path in request.scenes]
+    scenes = [_load(path) for path in request.scenes]
     for path, name, scene, base in zip(request.scenes, names, scenes, bases, strict=True):
         with _progress(path, request.quiet) as say:
             results = sweep.measure(scene, request.plan(), name=name, device=request.device, say=say)
@@ -76,7 +79,7 @@ def _chart_accuracy(request: Request) -> None:
 def _chart_specialisation(request: Request) -> None:
     base = _bases(request.out, ["specialised"], "{name}")[0]
     for path in request.scenes:
-        load(path)  # what cannot be read is told before time is spent
+        _load(path)
     plan, results = request.plan(), []
     for path in request.scenes:
         with _progress(path, request.quiet) as say:
@@ -93,6 +96,14 @@ def _chart_specialisation(request: Request) -> None:
 
 
 # ---- files ----
+
+
+def _load(path: str) -> Scene:
+    """Before time is spent on any, so that what is wrong is told at once."""
+    scene = load(path)
+    for warning in scene.warnings:
+        print(f"feeler: warning: {warning}", file=sys.stderr)
+    return scene
 
 
 def _bases(out: str | None, names: Sequence[str], default: str) -> list[str]:
@@ -114,11 +125,8 @@ def _bases(out: str | None, names: Sequence[str], default: str) -> list[str]:
 
 
 def _write(base: str, as_json: str, as_csv: str) -> None:
-    for name, text in ((f"{base}.json", as_json), (f"{base}.csv", as_csv)):
-        try:
-            Path(name).write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise Error(f"cannot write: {error.strerror}", source=name, code=IO) from None
+    for ending, text in ((".json", as_json), (".csv", as_csv)):
+        Path(base + ending).write_text(text, encoding="utf-8")
 
 
 # ---- what is said ----
