@@ -206,6 +206,19 @@ def test_what_takes_too_long_is_left_out() -> None:
     assert len(results.left_out) == 7
 
 
+@pytest.mark.parametrize(
+    ("renders", "expected"), [([0.01, 0.03, 0.02], 0.02), ([0.06], 0.06), ([0.004, 0.001, 0.003, 0.002, 0.005], 0.003)]
+)
+def test_short_renders_are_repeated(monkeypatch: pytest.MonkeyPatch, renders: list[float], expected: float) -> None:
+    """Until they take 0.05 seconds together, at most five times."""
+    times = iter(renders)
+    monkeypatch.setattr(sweep, "kernel_seconds", lambda _image: next(times))
+    monkeypatch.setattr(sweep._Sweep, "render", lambda *_: None)
+    measuring = sweep._Sweep(feeler.Scene(MIRRORS), PLAN, None, print)
+    assert measuring._seconds(measuring.default) == expected
+    assert next(times, None) is None
+
+
 def test_a_caller_keeps_kernel_options(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FEELER_KERNEL_OPTIONS", "-DMINE")
     with sweep._environment("-DOTHER"):
