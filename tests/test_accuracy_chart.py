@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -97,6 +98,21 @@ def test_labels_are_all_there_and_apart(results: Accuracy) -> None:
     assert not any(box.contains(*point) for box in boxes for point in points)
     frame = left.get_window_extent()
     assert all(frame.contains(box.x0, box.y0) and frame.contains(box.x1, box.y1) for box in boxes)
+
+
+def test_lines_lead_where_another_point_is_nearer() -> None:
+    """Each label has its point near by, or a line that ends there."""
+    results = crowd(14)
+    left = charts.accuracy(results).axes[0]
+    leads = [line for line in left.lines if line.get_linewidth() == 0.5]
+    begins = {tuple(np.round(left.transData.transform(line.get_xydata()[0]), 3)) for line in leads}
+    points = left.transData.transform([(1000 * p.median, p.error.rmse) for p in results.points])
+    assert begins <= {tuple(np.round(point, 3)) for point in points}
+    for text in left.texts:
+        box, own = text.get_window_extent(), left.transData.transform(text.xy)
+        far = [math.dist(point, np.clip(point, (box.x0, box.y0), (box.x1, box.y1))) for point in (own, *points)]
+        assert far[0] <= min(far[1:]) + 2 or tuple(np.round(own, 3)) in begins, text.get_text()
+    assert len(leads) > 5
 
 
 def test_parts_by_samples() -> None:
