@@ -162,9 +162,10 @@ def _draw_noise(axes: Any, noise: float) -> None:
 
 
 def _set_ticks(axis: Any, write: Any) -> None:
-    """Numbers at 1, 2 and 5 of each decade, or of many decades at 1."""
+    """Numbers at 1, 2 and 5 of each decade; the more decades, the fewer."""
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 1000 * low else (1,), numticks=14))
+    subs = (1, 2, 5) if high < 300 * low else (1, 3) if high < 30_000 * low else (1,)
+    axis.set_major_locator(LogLocator(subs=subs, numticks=14))
     axis.set_major_formatter(FuncFormatter(lambda value, _place: write(value)))
     axis.set_minor_formatter(NullFormatter())
 
@@ -204,7 +205,7 @@ def _draw_parts(axes: Any, measured: Accuracy, metric: str) -> None:
     axes.set_xticks([], minor=True)
     axes.set_xlabel("samples a pixel")
     axes.set_ylabel(_METRICS[metric])
-    axes.set_title("parts of the error; numbers: pixels off by > 1/255", fontsize=9)
+    axes.set_title("parts of the error" + "; numbers: pixels off by > 1/255" * (metric == "rmse"), fontsize=9)
     axes.margins(0.1)
     _set_ticks(axes.yaxis, "{:g}".format)
     _finish(axes)
