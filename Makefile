@@ -176,6 +176,18 @@ chart-work-groups: ready ## measure work groups on two OpenCL runtimes and draw 
 	$(VENV)/bin/python docs/chart_work_groups.py $(BUILD)/feeler $(BUILD)/charts $(INTEL) $(CHARTED)
 	cp $(BUILD)/charts/work-groups-*.png docs
 
+# Scenes of different nature: matte things without reflection, a smooth mesh, mirrors, nested media, many spheres, instances.
+ACCURACY := scenes/figure-16-1-shadow.yaml $(BUILD)/scenes/seashell.yaml scenes/mirror-room.yaml scenes/water.yaml \
+  $(BUILD)/scenes/sphereflake.yaml scenes/forest.yaml
+
+.PHONY: chart-accuracy
+chart-accuracy: ready ## measure time against error for six scenes and draw it for docs/performance.md (a quarter of an hour)
+	@$(MAKE) --no-print-directory $(ACCURACY)
+	mkdir -p $(BUILD)/charts
+	$(BUILD)/feeler chart --size 96x72 $(ACCURACY) -o '$(BUILD)/charts/accuracy-{name}'
+	$(BUILD)/feeler chart --size 96x72 --specialised $(ACCURACY) -o $(BUILD)/charts/accuracy-specialised
+	cp $(BUILD)/charts/accuracy-*.png docs
+
 $(INTEL)/ready: | $(BUILD)
 	$(VENV)/bin/pip install -q --disable-pip-version-check --ignore-installed --prefix $(INTEL) intel-opencl-rt intel-cmplr-lib-rt
 	touch $@

@@ -17,6 +17,7 @@ static const verb verbs[] = {
     {"pixel", cmd_pixel, "tell why a pixel has its colour"},
     {"compare", cmd_compare, "measure how far two pictures are apart"},
     {"bench", cmd_bench, "measure how fast work groups are"},
+    {"chart", cmd_chart, "chart speed against accuracy"},
     {"devices", cmd_devices, "list OpenCL platforms and devices"},
     {"doctor", cmd_doctor, "check the installation and say how to mend it"},
 };

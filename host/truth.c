@@ -108,6 +108,7 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
     if (!images)
         return fail(error, FEELER_OUT_OF_MEMORY, "out of memory");
     feeler_settings s = t->settings;
+    s.channels = 0;
     s.level = w->level;
     s.samples = w->samples;
     s.depth = w->depth;

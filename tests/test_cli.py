@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from spheres import write_spheres
 
-COMMANDS = ["render", "info", "compare", "bench", "devices", "doctor"]
+COMMANDS = ["render", "info", "pixel", "compare", "bench", "chart", "devices", "doctor"]
 
 
 @pytest.fixture
@@ -113,6 +113,8 @@ USAGE_ERRORS = {
         "--stats: with several",
     ),
     "same names": (["render", "x/a.nff", "y/a.nff", "-o", "{name}.png"], "same name"),
+    "chart of nothing": (["chart", "--quick"], "SCENE… is missing"),
+    "chart samples": (["chart", "spheres.nff", "--truth-samples", "1"], "a whole number from 2 to 4096"),
     "info of two": (["info", "a.nff", "b.nff"], "'b.nff' is too much"),
     "devices operand": (["devices", "x"], "only options"),
 }

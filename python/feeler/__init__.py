@@ -23,7 +23,8 @@ It renders on the first CPU device by default. `feeler.devices()` lists others, 
 pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
 `print(scene.pixel(x, y))` tells all that the rays of one pixel do.
 `feeler.compare(a, b)` measures how far two pictures are apart, be they images, arrays or files.
-`feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` measured.
+`feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` and `feeler chart` measured;
+`feeler.sweep` and `feeler.specialisation` are what the latter measures with.
 
 Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
 goes wrong is a `feeler.Error`, which says where: file, line and column, or the path of a dict's key.
@@ -44,9 +45,9 @@ __version__: str = to_string(lib.feeler_version())
 
 
 def __getattr__(name: str) -> ModuleType:
-    """`feeler.charts` is loaded when it is first asked for: matplotlib is needed by nothing else."""
-    if name == "charts":
-        return import_module("feeler.charts")
+    """What measures and draws is loaded when it is first asked for: matplotlib is needed by nothing else."""
+    if name in ("accuracy", "charts", "specialisation", "sweep"):
+        return import_module(f"feeler.{name}")
     raise AttributeError(f"module 'feeler' has no attribute '{name}'")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import cffi
 
 _KINDS = ("ok", "bad input", "bad usage", "io", "out of memory", "device", "interrupted")
-BAD_INPUT, BAD_USAGE, OUT_OF_MEMORY, DEVICE, INTERRUPTED = 1, 2, 4, 5, 6
+BAD_INPUT, BAD_USAGE, IO, OUT_OF_MEMORY, DEVICE, INTERRUPTED = 1, 2, 3, 4, 5, 6
 
 ffi: Any = cffi.FFI()
 

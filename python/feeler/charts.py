@@ -3,6 +3,8 @@
     from feeler import charts
 
     charts.work_groups("results.json", save="work-groups")     # writes work-groups.png and work-groups.svg
+    charts.accuracy("accuracy-first.json", save="first")       # of `feeler chart`
+    charts.specialisation("specialisation.json", save="both")  # of `feeler chart --specialised`
 
 They can be read in black and white: numbers stand beside what is drawn, and hatches tell what colours would.
 """
@@ -18,14 +20,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ._accuracy_chart import accuracy
+from ._figure import Figure, Patch, Rectangle, number, save_figure
 from ._library import BAD_INPUT, Error
+from ._specialisation_chart import specialisation
 
-try:
-    import matplotlib
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Patch, Rectangle
-except ImportError as error:
-    raise ImportError("feeler.charts needs matplotlib: pip install 'feeler[charts]'") from error
+__all__ = ["accuracy", "specialisation", "work_groups"]
 
 Results = str | os.PathLike[str] | Mapping[str, Any]
 
@@ -102,16 +102,8 @@ def work_groups(
         _draw_bars(axes[0][column], case)
         _draw_map(axes[1][column], case)
     if save is not None:
-        _save(figure, Path(save))
+        save_figure(figure, save)
     return figure
-
-
-def _save(figure: Figure, path: Path) -> None:
-    base = path.with_suffix("") if path.suffix in (".png", ".svg") else path
-    # The same results make the same file: no date, and names that do not hang on chance.
-    with matplotlib.rc_context({"svg.hashsalt": "feeler", "svg.fonttype": "none"}):
-        figure.savefig(base.with_name(f"{base.name}.png"), dpi=110)
-        figure.savefig(base.with_name(f"{base.name}.svg"), metadata={"Date": None})
 
 
 # ---- reading ----
@@ -174,7 +166,7 @@ def _draw_bars(axes: Any, case: _Case) -> None:
         axes.bar(place, size.median, 0.7, color="0.85", edgecolor="black", hatch=_HATCHES[size.kind])
         axes.errorbar(place, size.median, [[low], [high]], color="black", capsize=4, linewidth=1.2)
         weight = "bold" if size.median == best else "normal"
-        axes.text(place, max(size.times) + 0.015 * top, _number(size.median), ha="center", va="bottom", weight=weight)
+        axes.text(place, max(size.times) + 0.015 * top, number(size.median), ha="center", va="bottom", weight=weight)
     axes.set_xticks(range(len(case.sizes)), [size.name for size in case.sizes], fontsize=8)
     axes.set_xlim(-0.6, len(case.sizes) - 0.4)
     axes.set_ylim(0, 1.18 * top)
@@ -216,8 +208,3 @@ def _draw_cell(axes: Any, place: tuple[int, int], colour: str, text: str, weight
     x, y = place
     axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor=colour, edgecolor="black", linewidth=0.8))
     axes.text(x, y, text, ha="center", va="center", fontsize=8, weight=weight)
-
-
-def _number(value: float) -> str:
-    """Three digits that count, without an exponent."""
-    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
