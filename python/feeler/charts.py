@@ -3,6 +3,7 @@
     from feeler import charts
 
     charts.work_groups("results.json", save="work-groups")     # writes work-groups.png and work-groups.svg
+    charts.stability("stability.json", 1, save="row-1")        # of what `make stability` found
 
 They can be read in black and white: numbers stand beside what is drawn, and hatches tell what colours would.
 """
@@ -24,6 +25,8 @@ try:
     import matplotlib
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch, Rectangle
+
+    from ._stability import draw_row, read_row
 except ImportError as error:
     raise ImportError("feeler.charts needs matplotlib: pip install 'feeler[charts]'") from error
 
@@ -101,6 +104,33 @@ def work_groups(
     for column, case in enumerate(cases):
         _draw_bars(axes[0][column], case)
         _draw_map(axes[1][column], case)
+    if save is not None:
+        _save(figure, Path(save))
+    return figure
+
+
+def stability(
+    data: str | os.PathLike[str] | Mapping[str, Any],
+    row: int,
+    *,
+    save: str | os.PathLike[str] | None = None,
+    width: float = 5.0,
+) -> Figure:
+    """Draws one row of the catalogue of numerical troubles: failures over what provokes them, method beside method.
+
+    Crosses are the naive method, filled circles the robust one, open squares double. What is 0 stands at the bottom as
+    "0 of N".
+
+    Args:
+        data: a file that `make stability` wrote, or its content as a dict.
+        row: its number in the catalogue (docs/numerics.md), 1 to 26.
+        save: where to write the chart, as PNG and as SVG; the endings are added, or replace each other.
+        width: of each chart of the row, inches.
+
+    Returns:
+        The matplotlib figure.
+    """
+    figure = draw_row(read_row(data, row), width)
     if save is not None:
         _save(figure, Path(save))
     return figure
