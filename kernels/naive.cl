@@ -24,6 +24,17 @@ crossing naive_intersect_sphere(ray r, vectors centre, reals radius, uint flags)
 #define intersect_sphere naive_intersect_sphere
 #endif
 
+#if defined(NAIVE_POINT) && HAS_SPHERE
+// The point as far along the ray as the distance says, and the normal that it has then.
+surface naive_surface_sphere(ray r, reals distance, vectors centre, reals radius) {
+    surface s = surface_sphere(r, distance, centre, radius);
+    s.point = along(r.origin, r.direction, distance);
+    s.normal = s.shading = normalise(sub(s.point, centre));
+    return s;
+}
+#define surface_sphere naive_surface_sphere
+#endif
+
 #if defined(NAIVE_PLANE)
 // The point as far along the ray as the distance says.
 surface naive_surface_plane(ray r, reals distance, vectors point, vectors normal) {

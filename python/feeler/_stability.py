@@ -16,7 +16,7 @@ from ._library import BAD_INPUT, Error
 
 # By kind: line, colour, and the markers of the first curve of it, the second, …
 _STYLES = {
-    "naive": ("-", "black", "xx+"),
+    "naive": ("-", "black", "x+1"),
     "robust": ("-", "black", "oD"),
     "double": ("--", "0.35", "sD"),
     "other": (":", "0.35", "^v<"),
@@ -95,6 +95,7 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     axes.set_title(panel["title"], fontsize=10)
     axes.set_xlabel(panel["x_name"], fontsize=9)
     axes.set_ylabel(f"{panel['y_name']}{of and ', share'}", fontsize=9)
+    axes.tick_params(labelsize=8)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="0.9", linewidth=0.6)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.24 if words else -0.17), frameon=False, fontsize=8, ncols=2)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from shapes import REAL, SPHERE, Shapes, dot, length, only, unit, units
+from shapes import REAL, SPHERE, UNIT, Shapes, dot, length, only, unit, units
 
 import feeler
 
 from .study import DOUBLE, NAIVE, ROBUST, Curve, Panel, Study
 
 LIT = only("TRANSMISSION", "SPHERE", "SHADOWS")
-OFFSETS = [0.1, 1, 10, 1e2, 1e3, 1e4]
+OFFSETS = [0.1, 1, 10, 1e2]
 
 
 def wrong_shadows(offset: float, level: str, naive: str, count: int) -> tuple[float, float]:
     """Lights on the unit sphere, points outside of it that the light can see by a margin (the sign of a scalar product
-    says so), the whole so far from 0: points that are dark; and results that are no number, for lights at the point itself.
+    says so), the whole so far from 0: the share of the points that are dark; and of results that are no number, for lights at
+    the point itself. Lights that rounding put into the sphere by more than 16 u of the way do not count.
     """
     rng = np.random.default_rng(121)
     centre = (offset * unit(np.array([0.5, -0.6, 0.62]))).astype(np.float32).astype(float)
@@ -33,16 +34,21 @@ def wrong_shadows(offset: float, level: str, naive: str, count: int) -> tuple[fl
     q = {"point": point, "error": zero, "normal": e, "shading": e, "v": e, "r": e,
          "t": {"found": False, "direction": zero}}  # fmt: skip
     seen = feeler.probe("send_feelers", sphere.scene(), q, lamps, True, True, level=level, options=options)
-    apart = length(point - light) > 0
-    return float(np.mean((seen.share[:, 0] != 1) & apart)), float(np.mean(~np.isfinite(seen.share).all(1)))
+    apart = length(point - light)
+    depth = 1 - length((light - centre).astype(np.longdouble))
+    slope = dot(point - light, n) / np.where(apart > 0, apart, 1)
+    counts = (apart > 0) & (depth < 16 * UNIT[level] * apart * slope)
+    dark = (seen.share[:, 0] != 1) & counts
+    return float(dark.sum() / counts.sum()), float(np.mean(~np.isfinite(seen.share).all(1)))
 
 
 def feelers() -> list[Panel]:
     tries = 5000
     methods = [("the whole way, float", NAIVE, "standard", "-DNAIVE_FEELER", {"fails": 0.1}),
                ("the whole way, double", DOUBLE, "reference", "-DNAIVE_FEELER", {}),
-               ("64 u short of it, float", ROBUST, "standard", "", {})]  # fmt: skip
+               ("64 u short of it, float", ROBUST, "standard", "", {"bound": 0})]  # fmt: skip
     found = {m[0]: [wrong_shadows(x, m[2], m[3], tries) for x in OFFSETS] for m in methods}
+    assert all(nothing == 0 for pairs in found.values() for _, nothing in pairs)
     return [
         Panel("a light on a sphere, seen from outside", "distance from 0 / radius", OFFSETS, "points in a false shadow",
               [Curve(m[0], m[1], [w for w, _ in found[m[0]]], **m[4]) for m in methods], tries),

@@ -14,7 +14,8 @@ import feeler
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Cost, Curve, Panel, Study, kernel_options
 
 SHAPES = only("TRANSMISSION", "SPHERE", "BOX", "TRIANGLE", "ONE_SIDED")
-TMIN, OFFSET, ULPS = "-DNAIVE_TMIN=1e-4", "-DNAIVE_OFFSET=1e-3", "-DNAIVE_ULPS"
+POINT = "-DNAIVE_POINT"
+TMIN, OFFSET, ULPS = f"{POINT} -DNAIVE_TMIN=1e-4", f"{POINT} -DNAIVE_OFFSET=1e-3", "-DNAIVE_ULPS"
 
 
 def points_on_sphere(radius: float, level: str, naive: str, count: int, seed: int) -> Any:
@@ -55,7 +56,7 @@ def self_hits(slope: float, radius: float, level: str, naive: str, count: int) -
     r = leave(s, slope, level, naive, 113)
     options = f"{SHAPES} {naive}"
     c = feeler.probe("intersect_sphere", r, [0, 0, 0], radius, 0, level=level, options=options)
-    least = float(naive.split("=")[1]) if "TMIN" in naive else 0
+    least = 1e-4 if "TMIN" in naive else 0
     return float(np.mean((c.found != 0) & (c.distance > least)))
 
 
@@ -86,7 +87,7 @@ def lost_layers(gap: float, level: str, naive: str, count: int) -> float:
     s = points_on_sphere(1.0, level, naive, count, 114)
     r = leave(s, 0.9, level, naive, 115)
     c = feeler.probe("intersect_sphere", r, [0, 0, 0], 1 + gap, 0, level=level, options=f"{SHAPES} {naive}")
-    least = float(naive.split("=")[1]) if "TMIN" in naive else 0
+    least = 1e-4 if "TMIN" in naive else 0
     outside = length(r.origin.astype(float)) >= REAL[level](1 + gap).astype(float)
     return float(np.mean((c.found == 0) | (c.distance <= least) | outside))
 
