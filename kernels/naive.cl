@@ -48,7 +48,8 @@ surface naive_surface_plane(ray r, reals distance, vectors point, vectors normal
 #if defined(NAIVE_CONE) && HAS_CONE
 // The nearer of two crossings that are there and ahead.
 crossing naive_nearer(ray r, crossing a, crossing b) {
-    const ints first = a.found & is_ahead(r, a.distance) & (!(b.found & is_ahead(r, b.distance)) | (a.distance <= b.distance));
+    const ints first =
+        a.found & is_ahead(r, a.distance) & (!(b.found & is_ahead(r, b.distance)) | (a.distance <= b.distance));
     const ints second = !first & b.found & is_ahead(r, b.distance);
     crossing c;
     c.found = first | second;

@@ -176,7 +176,7 @@ def test_stability(tmp_path: Path) -> None:
     assert list(robust.get_ydata()) == [floor] * 3
     assert list(naive.get_ydata()) == [floor, 0.1, 1]
     assert floor < 1 / 200
-    assert [label.get_text() for label in rate.get_yticklabels()][0] == "0 of 200"
+    assert rate.get_yticklabels()[0].get_text() == "0 of 200"
     assert (naive.get_marker(), robust.get_marker()) == ("x", "o")
     assert [line.get_label() for line in error.get_lines()][-1] == "the bound that is claimed for it"
     assert [label.get_text() for label in error.get_xticklabels()] == ["none", "some", "all"]

@@ -39,9 +39,7 @@ def read_row(data: str | os.PathLike[str] | Mapping[str, Any], row: int) -> list
     except OSError as error:
         raise Error(f"cannot be read: {error.strerror}", source=source, code=BAD_INPUT) from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise Error(
-            f"is not what the stability laboratory writes ({error!r})", source=source, code=BAD_INPUT
-        ) from None
+        raise Error(f"is not what the stability laboratory writes ({error!r})", source=source, code=BAD_INPUT) from None
     return found
 
 
@@ -51,15 +49,16 @@ def draw_row(results: Sequence[Mapping[str, Any]], width: float) -> Figure:
     figure = Figure(figsize=(width * len(panels), 0.86 * width), layout="constrained")
     for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _draw_panel(axes, panel)
-    costs = [_describe_cost(result["cost"]) for result in results if result.get("cost")]
+    gap = "\n" if len(panels) == 1 else " "
+    costs = [_describe_cost(result["cost"], gap) for result in results if result.get("cost")]
     if costs:
         figure.supxlabel("\n".join(costs), fontsize=8)
     return figure
 
 
-def _describe_cost(cost: Mapping[str, Any]) -> str:
+def _describe_cost(cost: Mapping[str, Any], gap: str) -> str:
     return (
-        f"time of the remedy: {cost['ratio']:.2f} × the naive one's "
+        f"time of the remedy: {cost['ratio']:.2f} × the naive one's{gap}"
         f"(quartiles {cost['low']:.2f}, {cost['high']:.2f}; {cost['what']})"
     )
 
@@ -98,21 +97,22 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     axes.tick_params(labelsize=8)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="0.9", linewidth=0.6)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.24 if words else -0.17), frameon=False, fontsize=8, ncols=2)
+    longest = max(len(str(x)) for x in panel["x"]) if words else 0
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17 - 0.009 * longest), frameon=False, fontsize=8, ncols=2)
 
 
 def _floor(panel: Mapping[str, Any]) -> float:
     """Where what is 0 is drawn: under everything else, on a power of ten."""
-    positive = [v for curve in panel["curves"] for v in curve["values"] if v > 0 and math.isfinite(v)]
+    positive = [v for curve in panel["curves"] for v in curve["values"] if v and v > 0 and math.isfinite(v)]
     least = min([*positive, *([1 / panel["tries"]] if panel["tries"] else [])], default=1e-3)
-    return float(10.0 ** (math.ceil(math.log10(least) - 1e-9) - 1))
+    return float(10.0 ** math.floor(math.log10(least / 2) + 1e-9))
 
 
 def _scale_logarithmically(axes: Any, panel: Mapping[str, Any], floor: float) -> None:
     """Powers of ten, and a place for what is 0."""
     axes.set_yscale("log")
-    values = [v for curve in panel["curves"] for v in curve["values"] if v > 0 and math.isfinite(v)]
-    top = max([*values, 10 * floor])
+    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    top = max(np.nanmax(drawn), 10 * floor)
     low, high = round(math.log10(floor)), math.ceil(math.log10(top))
     step = max(1, (high - low) // 8)
     powers = list(range(low + 1, high + 1, step))
@@ -122,4 +122,4 @@ def _scale_logarithmically(axes: Any, panel: Mapping[str, Any], floor: float) ->
         labels = [f"0 of {panel['tries']}" if panel["tries"] else "0", *labels]
     axes.set_yticks([*([floor] if zero else []), *(10.0**p for p in powers)], labels, fontsize=8)
     axes.minorticks_off()
-    axes.set_ylim(floor if zero else floor * 3, 10.0**high if top <= 10.0**high else None)
+    axes.set_ylim(floor, 10.0**high if top <= 10.0**high else None)

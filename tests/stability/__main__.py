@@ -1,6 +1,6 @@
 """Runs studies, prints their tables and writes them as JSON.
 
-    PYTHONPATH=tests python -m stability [--row N]... [--json FILE] [--no-cost]
+PYTHONPATH=tests python -m stability [--row N]... [--json FILE] [--no-cost]
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from . import studies
 from .study import Panel, Result, broken_claims, run
 
 
-def number(value: float) -> str:
-    return "nan" if value != value else f"{value:.3g}"
+def number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
 
 
 def print_panel(panel: Panel) -> None:

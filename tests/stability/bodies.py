@@ -6,12 +6,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from shapes import CAPPED, REAL, UNIT, Shapes, dot, frame, length, only, unit, units
-from shapes import CONE as CONE_KIND
+from shapes import CAPPED, REAL, UNIT, dot, frame, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, NAIVE, OTHER, ROBUST, Cost, Curve, Panel, Study, rates
+from .study import DOUBLE, NAIVE, OTHER, ROBUST, Cost, Curve, Panel, Study
 
 SPHERE = only("TRANSMISSION", "SPHERE", "ONE_SIDED")
 CONE = only("TRANSMISSION", "CONE")
@@ -102,8 +101,7 @@ RADII = [1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7]
 
 
 def ground_error(height: float, radius: float, level: str, naive: str) -> float:
-    """The greatest relative error of the distance down to a sphere's top from this height, at slopes down to 0.6; at most 1.
-    """
+    """The greatest relative error of the distance down to a sphere's top from this height, at slopes down to 0.6; at most 1."""
     (direction,) = round_to(level, unit(np.array([[0.8 * x, 0, -1.0] for x in np.linspace(0, 1, 200)])))
     centre = [0, 0, -radius]
     options = f"{SPHERE} {naive}"
@@ -128,8 +126,10 @@ def plane_error(height: float) -> float:
 
 def ground() -> list[Panel]:
     panels = []
-    for height, title in ((1.0, "height 1: above the centre no digit is lost"), (float(np.float32(1.1)), "height 1.1")):
-        lost = 0 if height == 1 else 4 * UNIT["standard"]  # the distance to the centre is rounded, and with it the height
+    for height, title in ((1.0, "height 1"), (float(np.float32(1.1)), "height 1.1")):
+        lost = (
+            0 if height == 1 else 4 * UNIT["standard"]
+        )  # the distance to the centre is rounded, and with it the height
         bound = [8 * UNIT["standard"] + lost * r / height for r in RADII]
         plane = plane_error(height)
 

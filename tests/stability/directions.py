@@ -68,7 +68,7 @@ TRUE = [1.33, 1.31, 1.33, 1.5, 1.5, 1.0]  # glass goes before water
 
 
 def layer_errors(level: str, naive: str, degrees: float) -> list[float]:
-    """n sin θ in each medium of the way against that outside: relative errors."""
+    """N sin θ in each medium of the way against that outside: relative errors."""
     names = list(INDICES)
     zero = [0, 0, 0, 0]
     priorities = {"water": 0, "ice": 1, "glass": 2}
@@ -186,12 +186,12 @@ def power_errors(level: str, naive: str) -> tuple[list[float], list[float]]:
     for angle in ANGLES:
         base = np.cos(np.radians(angle + np.linspace(-0.05, 0.05, 200))).astype(real)
         found = probe("power", base, SHININESS, level=level, naive=naive)
-        worst = 0.0
+        worst = None
         for b, f in zip(base, found, strict=True):
             with mpmath.workdps(40):
                 exact = mpmath.power(mpmath.mpf(float(b)), SHININESS)
                 if exact >= tiny:
-                    worst = max(worst, float(abs(mpmath.mpf(float(f)) - exact) / exact))
+                    worst = max(worst or 0.0, float(abs(mpmath.mpf(float(f)) - exact) / exact))
         errors.append(worst)
         denormal.append(float(np.mean((found > 0) & (found < tiny))))
     return errors, denormal

@@ -6,7 +6,7 @@ import functools
 from typing import Any
 
 import numpy as np
-from shapes import REAL, UNIT, dot, frame, only, unit, units
+from shapes import REAL, dot, frame, only, unit, units
 
 import feeler
 
@@ -153,7 +153,9 @@ def odd_on_a_grid(spacing: float, level: str, naive: str) -> float:
     r = feeler.probe("make_ray", origin, [0, 0, 1.0], level=level, options=options)
     counts = np.zeros(MESH_RAYS, int)
     for face in CUBE:
-        counts += feeler.probe("intersect_triangle", r, *vertices[list(face)], 0, level=level, options=options).found != 0
+        counts += (
+            feeler.probe("intersect_triangle", r, *vertices[list(face)], 0, level=level, options=options).found != 0
+        )
     return float(np.mean(counts % 2))
 
 

@@ -10,6 +10,7 @@ from pictures import everything
 
 import feeler
 
+from .faces import MESH_RAYS, count_faces
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study, kernel_options
 
 # ---- row 15
@@ -87,7 +88,10 @@ def fast_math() -> list[Panel]:
     def no_number(level: str) -> list[float]:
         return [float(np.mean(~np.isfinite(p).all(-1))) for p in fast[level]]
 
-    names = [f.removeprefix("-cl-") or "none" for f in FLAGS]
+    def holes(level: str) -> list[float]:
+        return [float(np.mean(count_faces(1, "edge", level, f) == 0)) for f in FLAGS]
+
+    names = ["none", "mad", "signed zeros", "unsafe math", "finite math", "fast-relaxed"]
     tries = 48 * 36
     return [
         Panel("every primitive and term", "build option", names, "pixels", [
@@ -96,6 +100,10 @@ def fast_math() -> list[Panel]:
             Curve("other bits, double", DOUBLE, differing("reference")),
             Curve("NaN or infinite, float", ROBUST, no_number("standard")),
         ], tries, x_log=False),
+        Panel("rays through points of a closed mesh's edges", "build option", names, "rays that leave without a hit", [
+            Curve("edges by exact signs, float", NAIVE, holes("standard")),
+            Curve("edges by exact signs, double", DOUBLE, holes("reference")),
+        ], MESH_RAYS, x_log=False),
     ]  # fmt: skip
 
 

@@ -22,14 +22,14 @@ NAIVE, ROBUST, DOUBLE, OTHER = "naive", "robust", "double", "other"
 
 @dataclass(frozen=True)
 class Curve:
-    """What one method gave: a rate or an error for each x.
+    """What one method gave: a rate or an error for each x; None where there is nothing to measure.
 
     What is claimed of it: no value is above `bound` (one number, or one for each x); the largest is at least `fails`.
     """
 
     name: str
     kind: str
-    values: Sequence[float]
+    values: Sequence[float | None]
     bound: float | Sequence[float] | None = None
     fails: float | None = None
 
@@ -100,8 +100,9 @@ def broken_claims(result: Result) -> list[str]:
     broken = []
     for panel in result.panels:
         for curve in panel.curves:
-            values = np.asarray(curve.values, float)
-            if curve.bound is not None and not (values <= np.asarray(curve.bound, float)).all():
+            values = np.array(curve.values, float)
+            measured = np.array([value is not None for value in curve.values])
+            if curve.bound is not None and not (values <= np.array(curve.bound, float))[measured].all():
                 broken.append(f"{panel.title}: {curve.name}: {list(values)} is above {curve.bound}")
             if curve.fails is not None and not np.nanmax(values) >= curve.fails:
                 broken.append(f"{panel.title}: {curve.name}: never reaches {curve.fails}: {list(values)}")
@@ -141,6 +142,7 @@ kernel void cost(global const reals *in, global reals *out) { %s }
 def measure(cost: Cost) -> dict[str, Any]:
     """Times of the robust build over those of the naive one, from pairs run in turn: median and quartiles."""
     import pyopencl as cl
+
     from feeler._device import default_queue
 
     queue = default_queue()
