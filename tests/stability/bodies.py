@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from fractions import Fraction
 from typing import Any
 
@@ -63,20 +64,27 @@ def half_chord_error(distance: float, level: str, naive: str) -> float:
     return float(np.max(abs((ends[1] - ends[0]) / 2 - exact)))
 
 
-def wrong_sphere_decisions(distance: float, level: str, naive: str, count: int) -> float:
-    """Exact rationals decide; what is nearer to the outline than 8 u of the distance does not count."""
-    origin, direction = aim_at_sphere(distance, 0, 2, count, level)
-    found = cross_sphere(origin, direction, 1, level, naive).found != 0
+@functools.cache
+def sure_sphere_decisions(distance: float, level: str, count: int) -> tuple[Any, Any]:
+    """Which rays surely meet the sphere, and which surely do not, by exact rationals: what is nearer to the outline than 8 u of
+    the distance is neither.
+    """
     slack = Fraction(8 * UNIT["standard"] * (distance + 2))
-    wrong = 0
-    for o, d, f in zip(origin, direction, found, strict=True):
+    surely, never = [], []
+    for o, d in zip(*aim_at_sphere(distance, 0, 2, count, level), strict=True):
         p, q = [Fraction(x) for x in o], [Fraction(x) for x in d]
         across = sum((p[i - 2] * q[i - 1] - p[i - 1] * q[i - 2]) ** 2 for i in range(3))
         squared = sum(x * x for x in q)
-        surely = slack < 1 and across < (1 - slack) ** 2 * squared
-        never = across > (1 + slack) ** 2 * squared
-        wrong += bool((surely and not f) or (never and f))
-    return wrong / count
+        surely.append(slack < 1 and across < (1 - slack) ** 2 * squared)
+        never.append(across > (1 + slack) ** 2 * squared)
+    return np.array(surely), np.array(never)
+
+
+def wrong_sphere_decisions(distance: float, level: str, naive: str, count: int) -> float:
+    origin, direction = aim_at_sphere(distance, 0, 2, count, level)
+    found = cross_sphere(origin, direction, 1, level, naive).found != 0
+    surely, never = sure_sphere_decisions(distance, level, count)
+    return float(np.mean((surely & ~found) | (never & found)))
 
 
 def spheres() -> list[Panel]:

@@ -6,7 +6,7 @@ import functools
 from typing import Any
 
 import numpy as np
-from shapes import REAL, dot, frame, only, unit, units
+from shapes import REAL, column, dot, frame, only, unit, units
 
 import feeler
 
@@ -89,16 +89,14 @@ def count_faces(offset: float, at: str, level: str, naive: str, inside: bool = T
     start = middle + (0.3 if inside else 4) * units(rng, MESH_RAYS)
     pick = faces[rng.integers(0, len(faces), MESH_RAYS)]
     t = 0 if at == "vertex" else rng.uniform(0, 1, (MESH_RAYS, 1))
-    corners = vertices.astype(np.longdouble)[pick]
-    target = corners[:, 0] * (1 - t) + corners[:, 1] * t
+    ends = vertices.astype(np.longdouble)[pick]
+    target = ends[:, 0] * (1 - t) + ends[:, 1] * t
     origin = round_to(level, start)
     options = f"{TRIANGLE} {naive}"
     r = feeler.probe("make_ray", origin, unit(target - origin), level=level, options=options)
-    counts = np.zeros(MESH_RAYS, int)
-    for face in faces:
-        c = feeler.probe("intersect_triangle", r, *vertices[face], 0, level=level, options=options)
-        counts += (c.found != 0) & (c.distance > 0)
-    return counts
+    corners = np.moveaxis(vertices[faces], 1, 0)
+    c = feeler.probe("intersect_triangle", column(r), *corners, 0, level=level, options=options)
+    return ((c.found != 0) & (c.distance > 0)).sum(1)
 
 
 def lost(at: str, level: str, naive: str) -> list[float]:

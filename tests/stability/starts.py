@@ -18,6 +18,7 @@ POINT = "-DNAIVE_POINT"
 TMIN, OFFSET, ULPS = f"{POINT} -DNAIVE_TMIN=1e-4", f"{POINT} -DNAIVE_OFFSET=1e-3", "-DNAIVE_ULPS"
 
 
+@functools.cache
 def points_on_sphere(radius: float, level: str, naive: str, count: int, seed: int) -> Any:
     """Points on spheres about 0 as rays from 5 radii find them, their error bounds and normals."""
     rng = np.random.default_rng(seed)
