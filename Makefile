@@ -28,8 +28,8 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -l$(EMBREE) -lm -ldl
 
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
-  polygon.cl cone.cl count.cl record.cl scene.cl instance.cl primitive.cl block.cl tree.cl traverse.cl passage.cl margin.cl optics.cl media.cl phong.cl camera.cl trace.cl \
-  pixel.cl render.cl survey.cl)
+  polygon.cl cone.cl count.cl record.cl scene.cl optics.cl media.cl naive.cl instance.cl primitive.cl block.cl tree.cl traverse.cl \
+  passage.cl margin.cl phong.cl camera.cl trace.cl pixel.cl render.cl survey.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))
@@ -191,6 +191,20 @@ chart-accuracy: ready ## measure time against error for six scenes and draw it f
 $(INTEL)/ready: | $(BUILD)
 	$(VENV)/bin/pip install -q --disable-pip-version-check --ignore-installed --prefix $(INTEL) intel-opencl-rt intel-cmplr-lib-rt
 	touch $@
+
+# Where ray-tracing methods fail, on the real kernels: tables, and the charts of docs/numerics.md.
+STABILITY := PYTHONPATH=tests $(VENV)/bin/python -m stability
+
+.PHONY: stability chart-stability
+stability: ready | $(BUILD)/charts ## study every row of docs/numerics.md (ARGS='--row 1'); data in build/charts/stability.json
+	$(STABILITY) --json $(BUILD)/charts/stability.json $(ARGS)
+
+chart-stability: stability ## and draw the charts of docs/numerics.md
+	$(VENV)/bin/python docs/chart_stability.py $(BUILD)/charts/stability.json $(BUILD)/charts
+	cp $(BUILD)/charts/stability-*.svg docs
+
+$(BUILD)/charts:
+	mkdir -p $@
 
 .PHONY: install uninstall
 INTO = $(DESTDIR)$(PREFIX)

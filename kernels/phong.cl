@@ -69,7 +69,9 @@ vectors reach(const lamps *l, vectors from) {
 }
 
 // A feeler ends this much short of its light, relative to its length: a light may lie on a surface.
+#ifndef FEELER_SHORT
 #define FEELER_SHORT (R(1) - R(64) * UNIT)
+#endif
 
 typedef struct {
     vectors share;

@@ -154,6 +154,49 @@ def test_scenes_of_one_name() -> None:
     assert [texts(axes) for axes in figure.axes[:2]] == [["3", "5"], ["4", "6"]]
 
 
+def study() -> dict[str, Any]:
+    """Two charts of one row, as the stability laboratory writes them."""
+    naive = {"name": "b² − 4ac", "kind": "naive", "values": [0, 0.1, 1], "bound": None, "fails": 0.1}
+    robust = {"name": "chord", "kind": "robust", "values": [0, 0, 0], "bound": 0, "fails": None}
+    errors = {**robust, "values": [1e-7, 1e-6, float("inf")], "bound": [1e-6, 1e-5, 1e-4]}
+    panel = {"title": "hit or miss", "x_name": "distance", "x": [1, 10, 100], "y_name": "wrong", "tries": 200, "x_log": True,
+             "y_log": True}  # fmt: skip
+    cost = {"what": "one ray", "ratio": 1.25, "low": 1.2, "high": 1.3, "robust_ns": 5, "naive_ns": 4}
+    panels = [{**panel, "curves": [naive, robust]},
+              {**panel, "x": ["none", "some", "all"], "tries": None, "curves": [naive, errors]}]  # fmt: skip
+    return {"rows": [{"row": 1, "name": "sphere", "oracle": "rationals", "panels": panels, "cost": cost}]}
+
+
+def test_stability(tmp_path: Path) -> None:
+    """A chart for each panel; what is 0 stands at the bottom, above nothing else, and says of how many."""
+    figure = charts.stability(study(), 1, save=tmp_path / "row")
+    rate, error = figure.axes
+    naive, robust = rate.get_lines()
+    floor = rate.get_ylim()[0]
+    assert list(robust.get_ydata()) == [floor] * 3
+    assert list(naive.get_ydata()) == [floor, 0.1, 1]
+    assert floor < 1 / 200
+    assert rate.get_yticklabels()[0].get_text() == "0 of 200"
+    assert (naive.get_marker(), robust.get_marker()) == ("x", "o")
+    assert [line.get_label() for line in error.get_lines()][-1] == "the bound that is claimed for it"
+    assert [label.get_text() for label in error.get_xticklabels()] == ["none", "some", "all"]
+    assert np.isnan(error.get_lines()[1].get_ydata()[2])
+    assert "1.25 ×" in figure.get_supxlabel()
+    assert (tmp_path / "row.svg").is_file()
+
+
+def test_bad_stability(tmp_path: Path) -> None:
+    with pytest.raises(feeler.Error, match="there is no row 27"):
+        charts.stability(study(), 27)
+    with pytest.raises(feeler.Error, match=r"a\.json: cannot be read"):
+        charts.stability(tmp_path / "a.json", 1)
+    short = study()
+    short["rows"][0]["panels"][0]["x"] = [1, 10]
+    for bad in ({}, {"rows": [{}]}, {"rows": [{"row": 1}]}, short):
+        with pytest.raises(feeler.Error, match="is not what the stability laboratory writes"):
+            charts.stability(bad, 1)
+
+
 def test_it_is_there_when_asked_for() -> None:
     code = "import feeler, sys; assert 'matplotlib' not in sys.modules; feeler.charts.work_groups"
     subprocess.run([sys.executable, "-c", code], check=True)

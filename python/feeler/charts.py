@@ -5,6 +5,7 @@
     charts.work_groups("results.json", save="work-groups")     # writes work-groups.png and work-groups.svg
     charts.accuracy("accuracy-first.json", save="first")       # of `feeler chart`
     charts.specialisation("specialisation.json", save="both")  # of `feeler chart --specialised`
+    charts.stability("stability.json", 1, save="row-1")        # of what `make stability` found
 
 They can be read in black and white: numbers stand beside what is drawn, and hatches tell what colours would.
 """
@@ -24,8 +25,9 @@ from ._accuracy_chart import accuracy
 from ._figure import Figure, Patch, Rectangle, number, save_figure
 from ._library import BAD_INPUT, Error
 from ._specialisation_chart import specialisation
+from ._stability import draw_row, read_row
 
-__all__ = ["accuracy", "specialisation", "work_groups"]
+__all__ = ["accuracy", "specialisation", "stability", "work_groups"]
 
 Results = str | os.PathLike[str] | Mapping[str, Any]
 
@@ -101,6 +103,33 @@ def work_groups(
     for column, case in enumerate(cases):
         _draw_bars(axes[0][column], case)
         _draw_map(axes[1][column], case)
+    if save is not None:
+        save_figure(figure, save)
+    return figure
+
+
+def stability(
+    data: str | os.PathLike[str] | Mapping[str, Any],
+    row: int,
+    *,
+    save: str | os.PathLike[str] | None = None,
+    width: float = 5.0,
+) -> Figure:
+    """Draws one row of the catalogue of numerical troubles: failures over what provokes them, method beside method.
+
+    Crosses are the naive method, filled circles the robust one, open squares double. What is 0 stands at the bottom as
+    "0 of N".
+
+    Args:
+        data: a file that `make stability` wrote, or its content as a dict.
+        row: its number in the catalogue (docs/numerics.md), 1 to 26.
+        save: where to write the chart, as PNG and as SVG; the endings are added, or replace each other.
+        width: of each chart of the row, inches.
+
+    Returns:
+        The matplotlib figure.
+    """
+    figure = draw_row(read_row(data, row), width)
     if save is not None:
         save_figure(figure, save)
     return figure

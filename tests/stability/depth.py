@@ -1,0 +1,77 @@
+"""Rows 18 and 19: how deep a ray's tree goes. Here double mends nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from shapes import UNIT
+
+import feeler
+
+from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
+
+SHARES = [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99]
+DEPTHS = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14]
+CUTOFF = 1 / 256
+
+
+def mirrors(share: float, **settings: Any) -> tuple[float, float]:
+    """The relative error of what is seen between two parallel mirrors that shine, against the geometric series; and the bound
+    that the render itself states, by the same.
+    """
+    mirror = {"emission": 1, "reflection": share}
+    scene = feeler.Scene({
+        "camera": {"eye": [0, 0, 0.5], "look_at": [0, 0, 0]},
+        "image": {"size": [1, 1]},
+        "objects": [{"plane": {"point": [0, 0, z], "normal": [0, 0, 1 - 2 * z]}, "material": mirror} for z in (0, 1)],
+    })  # fmt: skip
+    image = scene.render(**settings)
+    exact = 1 / (1 - share)  # the sum's own rounding is beside the bound: u for each of up to 256 terms
+    bound = image.stats["truncation_bound"]
+    return float(abs(image.pixels[0, 0, 0] - exact) / exact), (float("inf") if bound is None else bound) / exact
+
+
+def series() -> list[Panel]:
+    five = [mirrors(s, depth=5)[0] for s in SHARES]
+    double = [mirrors(s, depth=5, level="reference")[0] for s in SHARES]
+    cut = [mirrors(s, depth=256, cutoff=0.01) for s in SHARES]
+    expected = [s**5 for s in SHARES]
+    return [
+        Panel("between two mirrors", "reflection ρ", SHARES, "relative error", [
+            Curve("depth 5, float", NAIVE, five, [1.001 * e for e in expected], 0.58),
+            Curve("depth 5, double", DOUBLE, double, [1.000001 * e for e in expected]),
+            Curve("weight at least 1/100, float", ROBUST, [e for e, _ in cut], [b + 256 * UNIT["standard"] for _, b in cut]),
+            Curve("the bound that this render states", OTHER, [b for _, b in cut]),
+        ], x_log=False),
+    ]  # fmt: skip
+
+
+def slabs(depth: int, cutoff: float) -> int:
+    """Rays of one eye ray through many sheets that send half on and half back."""
+    sheet = {"emission": 0.1, "reflection": 0.5, "transmission": 0.5}
+    scene = feeler.Scene({
+        "camera": {"eye": [0, 0, 20.5], "look_at": [0, 0, 0]},
+        "image": {"size": [1, 1]},
+        "objects": [{"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": 100}, "material": sheet} for z in range(40)],
+    })  # fmt: skip
+    image = scene.render(depth=depth, cutoff=cutoff)
+    rays = image.stats["rays"]
+    return 1 + rays["reflection"] + rays["transmission"]
+
+
+def trees() -> list[Panel]:
+    naive = [slabs(d, 0) for d in DEPTHS]
+    robust = [slabs(d, CUTOFF) for d in DEPTHS]
+    return [
+        Panel("half reflected, half transmitted, at every surface", "greatest depth", DEPTHS, "rays of one eye ray", [
+            Curve("depth alone", NAIVE, naive, [2**d - 1 for d in DEPTHS], 2 ** DEPTHS[-1] / 4),
+            Curve("weight at least 1/256", ROBUST, robust, 2**9),
+            Curve("2ᵈ − 1", OTHER, [2**d - 1 for d in DEPTHS]),
+        ], x_log=False),
+    ]  # fmt: skip
+
+
+STUDIES = [
+    Study(18, "depth between mirrors", "the geometric series", series, slow=True),
+    Study(19, "trees of rays", "2ᵈ − 1; what is pruned is bounded by its weight", trees, slow=True),
+]  # fmt: skip
