@@ -118,6 +118,7 @@ kernel __attribute__((vec_type_hint(reals))) void render(SCENE_PARAMETERS, globa
 }
 #endif
 
+#if !SURVEY
 // The media that the eye is in, outermost first: along any ray from it, the solids that are left without having been
 // entered. One work-item.
 kernel __attribute__((vec_type_hint(reals))) void find_eye_media(SCENE_PARAMETERS, global const view *views,
