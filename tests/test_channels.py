@@ -338,6 +338,20 @@ def test_margins_do_not_depend_on_the_tree() -> None:
     assert 0.005 < (margin < 16).mean() < 0.9 and len(np.unique(margin)) > 100
 
 
+@pytest.mark.parametrize("power", [-40, 40])
+def test_margins_of_a_scaled_scene(power: int) -> None:
+    def scaled(by: float) -> Any:
+        far = {"eye": 40 * by * EYE, "look_at": [0, 0, 0], "fov": 1}
+        scene = ball_on_floor(camera=far, lights=[{"point": by * np.array([3.0, 4, 5])}])
+        scene["objects"][0]["plane"]["point"] = [0, -by, 0]
+        scene["objects"][1]["sphere"]["radius"] = by
+        return feeler.Scene(scene).render(channels=["margin"]).channels["margin"]
+
+    margin = scaled(1)
+    assert (margin < 16).mean() > 0.01
+    assert same_bits(scaled(2.0**power), margin)
+
+
 @pytest.mark.slow
 def test_whole_trees_beyond_their_bounds_are_right() -> None:
     """Every primitive, light and material: where no decision is within its bounds, float and double send the same rays."""
