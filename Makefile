@@ -29,7 +29,7 @@ LDLIBS = $(shell pkg-config --libs $(LIBS)) -l$(EMBREE) -lm -ldl
 # Order matters: the kernels are one source, each file after what it uses.
 KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl sphere.cl plane.cl disc.cl box.cl triangle.cl \
   polygon.cl cone.cl count.cl record.cl scene.cl optics.cl media.cl naive.cl instance.cl primitive.cl block.cl tree.cl traverse.cl \
-  passage.cl margin.cl phong.cl camera.cl trace.cl pixel.cl render.cl survey.cl)
+  pencil.cl passage.cl margin.cl phong.cl camera.cl trace.cl pixel.cl render.cl survey.cl)
 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))

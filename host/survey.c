@@ -37,7 +37,7 @@ int open_survey(job *j, feeler_error *error) {
     if (!(j->settings.channels & ~render_knows))
         return 0;
     const feeler_settings lone = survey_settings(&j->settings);
-    char options[2048], *plain = program_options(&lone, j->needs, error);
+    char options[4096], *plain = program_options(&lone, j->needs, error);
     if (!plain)
         return -1;
     snprintf(options, sizeof options, "%s -DSURVEY=1%s", plain,
