@@ -172,6 +172,7 @@ def test_parts_of_the_error(measured: Any) -> None:
         total = one.precision.rmse + one.truncation.rmse + one.sampling.rmse
         assert one.error.rmse <= total * (1 + 1e-12), name
     assert points["depth 1"].truncation.rmse > points["depth 2"].truncation.rmse
+    assert points["depth 1"].precision.rmse < 1e-5 < points["depth 1"].truncation.rmse
     assert points["standard 4"].sampling.rmse < points["standard 1"].sampling.rmse
     assert points["standard 1"].sampling == points["cutoff 0.1"].sampling
     assert 0 < points["standard 1"].precision.values < 1e-5
