@@ -21,7 +21,8 @@ shows itself.
 
 It renders on the first CPU device by default. `feeler.devices()` lists others, and `scene.render(queue=queue)` takes a
 pyopencl queue. `feeler.probe("function", ...)` runs one function of the kernels over arrays.
-`feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` measured.
+`feeler.charts`, a module that needs matplotlib, draws what the program's `feeler bench` and the stability laboratory
+measured.
 
 Coordinates are right-handed, in the scene's own unit of length; angles are degrees; colours are linear RGB. Whatever
 goes wrong is a `feeler.Error`, which says where: file, line and column, or the path of a dict's key.
