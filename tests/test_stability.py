@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
+from pictures import everything
 from stability import studies
-from stability.study import ROBUST, Study, broken_claims, run
+from stability.study import ROBUST, Study, broken_claims, kernel_options, run
+
+import feeler
 
 
 @pytest.mark.parametrize("study", [pytest.param(s, marks=[pytest.mark.slow] * s.slow, id=str(s)) for s in studies()])
@@ -20,3 +26,17 @@ def test_a_row_of_the_catalogue(study: Study) -> None:
 
 def test_every_row_is_here() -> None:
     assert {study.row for study in studies()} == set(range(1, 27))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_naive_kernels_render(lanes: int) -> None:
+    """All options at once, as a whole picture: they reach a render, in lanes too, and change it."""
+    names = sorted(set(re.findall(r"\bdefined\((NAIVE_\w+)\)", feeler.kernel_source())))
+    assert len(names) >= 19
+    with kernel_options(
+        " ".join(f"-D{name}=1e-4" if name in ("NAIVE_TMIN", "NAIVE_OFFSET") else f"-D{name}" for name in names)
+    ):
+        naive = feeler.Scene(everything()).render(samples=lanes, lanes=lanes).pixels
+    robust = feeler.Scene(everything()).render(samples=lanes, lanes=lanes).pixels
+    assert 0.2 < np.isclose(naive, robust, atol=0.1).all(-1).mean() < 1
