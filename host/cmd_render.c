@@ -221,6 +221,8 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     return EXIT_INTERRUPTED;
 failed:
     code = report_error(&error);
+    feeler_image_free(*image);
+    *image = NULL;
     feeler_scene_free(scene);
     return code;
 }

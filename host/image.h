@@ -50,7 +50,7 @@ struct json_t *describe_bound(double value);
 /* A black picture of doubles that no render made; NULL: bad size or out of memory. */
 feeler_image *image_new(int width, int height, feeler_error *error);
 
-/* 0, or -1 when it is known that no picture can be read or written. `path` begins the message. */
+/* 0, or -1 when it is known that no picture can be written. `path` begins the message. */
 int image_io_known(const char *path, feeler_error *error);
 /* image_io.cpp, the only file that knows OpenImageIO, in a library of its own (image_plugin.c). Writes the whole file under exactly this name, in the format that
  * `format_name` ("x.exr" or only the ending) tells. */

@@ -78,7 +78,7 @@ static void *load_ahead(void *unused) {
 }
 
 int image_io_known(const char *path, feeler_error *error) {
-    return known == MISSING ? fail(error, FEELER_IO, "%s: cannot read or write pictures: %s", path, why) : 0;
+    return known == MISSING ? fail(error, FEELER_IO, "%s: cannot write pictures: %s", path, why) : 0;
 }
 
 int feeler_image_load_begin(const char *path, feeler_error *error) {
@@ -106,5 +106,6 @@ int image_io_write(const feeler_image *image, const char *path, const char *form
 
 int image_io_read(feeler_image *image, const char *path, feeler_error *error) {
     load(NULL);
-    return image_io_known(path, error) < 0 ? -1 : read_image(image, path, error);
+    return known == MISSING ? fail(error, FEELER_IO, "%s: cannot read pictures: %s", path, why)
+                            : read_image(image, path, error);
 }

@@ -223,3 +223,22 @@ def test_a_search_can_be_stopped(scene: feeler.Scene, last: int | None) -> None:
     with pytest.raises(feeler.Error) as caught:
         scene.render(**settings, progress=stop)
     assert caught.value.kind == "interrupted" and calls == [0] * last
+
+
+def test_what_stops_a_search_or_a_verification_is_raised(scene: feeler.Scene) -> None:
+    def interrupt(fraction: float) -> None:
+        if fraction == 1:
+            return
+        calls.append(fraction)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    calls: list[float] = []
+    with pytest.raises(KeyboardInterrupt) as caught:
+        scene.render(size=(60, 40), tolerance=0.1, progress=interrupt)
+    assert caught.value.image is None  # type: ignore[attr-defined]
+    # A picture of one tile is done when it is told so: the second call is the reference's first.
+    calls.clear()
+    with pytest.raises(KeyboardInterrupt):
+        scene.verify(size=(16, 12), samples=4, progress=interrupt)
+    assert calls == [0, 0]

@@ -98,7 +98,7 @@ class Scene:
         """Renders the scene. What is None is the scene's own, or chosen.
 
         Other threads run meanwhile. A KeyboardInterrupt ends the render within a second; the exception's attribute
-        `image` is what was done until then.
+        `image` is what was done until then, None while a tolerance's settings were sought.
 
         Args:
             size: width and height of the whole picture, pixels.
@@ -257,10 +257,10 @@ class _Reporter:
 
     def raise_caught_without(self, pointer: Any) -> None:
         """Where what was caught left no image."""
-        if self.caught is not None and not pointer:
-            raise self.caught
+        if not pointer:
+            self.raise_caught(None)
 
-    def raise_caught(self, image: Image) -> None:
+    def raise_caught(self, image: Image | None) -> None:
         if self.caught is not None:
             self.caught.image = image  # type: ignore[attr-defined]
             raise self.caught
