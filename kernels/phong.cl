@@ -122,7 +122,7 @@ INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps
     const vectors direction = scale(segment, splat(1) / length);
     const reals limit = l->is_near ? length * FEELER_SHORT : splat(INFINITY);
     active &= length > splat(0);
-    NOTE_FEELER(s, p, l, active, origin, direction, length, limit);
+    WEIGH_FEELER(s, p, l, active, origin, direction, length, limit);
     NOTE(note_feeler(s->notes, origin, direction, length));
 #if HAS_FILTERED_SHADOWS
     v.share = filter_feeler(s, origin, direction, limit, active);
@@ -147,7 +147,7 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
     const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
-    NOTE_LIGHT(s, p, c, l, cosine, side, squared);
+    WEIGH_LIGHT(s, p, c, l, cosine, side, squared);
     const ints front = active & (cosine > splat(0)) & (side > splat(0));
     ints sends = mask(false);
     vectors diffuse = where(sends, l->diffuse), specular = diffuse;

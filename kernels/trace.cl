@@ -91,7 +91,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
 #if SURVEY
     e.first = e.h;
 #endif
-    NOTE_HIT(s, p, r, &e.h);
+    WEIGH_HIT(s, p, r, &e.h);
     if (!any_ray(found)) {
         e.id.kind = e.id.index = e.id.material = e.id.flags = whole(0); // what other lanes may be asked for with these
 #if HAS_TRANSMISSION
@@ -102,7 +102,7 @@ encounter meet(const scene *s, const packet *p, const ray *r, ints active) {
     e.id = identify(s, found, &e.h);
     e.f = find_surface(s, r, &e.h, found, &e.id);
     e.entering = dot3(e.f.normal, p->direction) < splat(0);
-    NOTE_SURFACE(s, p, r, &e);
+    WEIGH_SURFACE(s, p, r, &e);
     NOTE(note_hit(s->notes, &e.h, e.id.material, e.entering));
 #if HAS_TRANSMISSION
     const ints medium = found & transmits(s, e.id.material);
@@ -265,7 +265,7 @@ INLINE children send_children(const scene *s, const packet *p, const encounter *
     c.reflected = c.transmitted = *p;
     c.reflected.active = c.transmitted.active = mask(false);
 #if BENDS
-    NOTE_REFRACTION(s, p, e, q);
+    WEIGH_REFRACTION(s, p, e, q);
 #endif
 #if HAS_REFLECTION || HAS_TRANSMISSION
     const shares share = find_shares(s, q, e);

@@ -35,16 +35,16 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
 
 
 def test_difference() -> None:
-    """Two of a thousand pixels are off: one by 0.5 in one channel, one by a little in all."""
-    one = np.full((25, 40, 4), 0.25)
+    """Two of 1001 pixels are off: one by 0.5 in one channel, one by a little in all."""
+    one = np.full((13, 77, 4), 0.25)
     other = one.copy()
     other[3, 5, 1] += 0.5
     other[4, 6, :3] += 0.001
     other[..., 3] = 1  # alpha does not count
     found = accuracy.difference(one, other)
-    assert found.rmse == pytest.approx(np.sqrt((0.25 + 3e-6) / 3000), rel=1e-12)
-    assert found.flips == pytest.approx(1 / 1000)
-    assert found.values == pytest.approx(np.sqrt(3e-6 / (999 * 3)), rel=1e-9)
+    assert found.rmse == pytest.approx(np.sqrt((0.25 + 3e-6) / 3003), rel=1e-12)
+    assert found.flips == pytest.approx(1 / 1001)
+    assert found.values == pytest.approx(np.sqrt(3e-6 / (1000 * 3)), rel=1e-9)
     assert found.p999 == pytest.approx(0.001), "one of a thousand is farther off"
     assert accuracy.difference(one, one) == Difference(0, 0, 0, 0)
 

@@ -52,6 +52,6 @@ def __getattr__(name: str) -> ModuleType:
 
 
 __all__ = [
-    "Difference", "Error", "Image", "Pixel", "Scene", "Verification", "compare", "devices", "kernel_options", "kernel_source",
-    "load", "probe",
+    "Difference", "Error", "Image", "Pixel", "Scene", "Verification", "compare", "devices", "kernel_options",
+    "kernel_source", "load", "probe",
 ]  # fmt: skip

@@ -28,15 +28,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from ._library import BAD_INPUT, Error
+from .compare import compare
 
 Pixels = npt.NDArray[Any]
 
 PARTS = ("error", "precision", "truncation", "sampling")
-FLIP = 1 / 255  # a pixel that is farther off has met another surface, not rounded its colour
 
 
 @dataclass(frozen=True)
@@ -45,8 +44,8 @@ class Difference:
 
     Attributes:
         rmse: root of the mean square over pixels and channels.
-        p999: 99.9 % of the pixels are no farther off than this, in their worst channel.
-        flips: share of the pixels that are off by more than 1/255.
+        p999: the 99.9th percentile of the pixels' differences, each in its worst channel.
+        flips: share of the pixels that are off by more than 1/255: they met another surface.
         values: the rmse of the other pixels alone.
     """
 
@@ -57,25 +56,9 @@ class Difference:
 
 
 def difference(one: Pixels, other: Pixels) -> Difference:
-    """Compares two pictures of linear RGB or RGBA; alpha does not count."""
-    apart = np.abs(_clamped(one) - _clamped(other))
-    worst = apart.max(axis=-1)
-    flipped = worst > FLIP
-    rest = apart[~flipped]
-    return Difference(
-        rmse=_root_mean_square(apart),
-        p999=float(np.quantile(worst, 0.999, method="inverted_cdf")),
-        flips=float(flipped.mean()),
-        values=_root_mean_square(rest) if rest.size else 0.0,
-    )
-
-
-def _clamped(pixels: Pixels) -> Pixels:
-    return np.clip(np.asarray(pixels, np.float64)[..., :3], 0, 1)
-
-
-def _root_mean_square(values: Pixels) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    """Compares two pictures of linear RGB or RGBA as `feeler.compare`; alpha does not count."""
+    found = compare(one[..., :3], other[..., :3])
+    return Difference(rmse=found.rmse, p999=found.p999, flips=found.share, values=found.value_rmse)
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,13 @@ METHODS: dict[str, Method] = {
     "rays alone": Method(build="-DFEW=17", needs=("tree",)),
     "4×4 pixels": Method(render={"pixels": (4, 4)}, samples=1),
     "2×2 pixels": Method(render={"pixels": (2, 2)}, samples=4),
+    # What textbooks do (kernels/naive.cl).
+    "naive sphere": Method(build="-DNAIVE_SPHERE", needs=("sphere",)),
+    "naive cone": Method(build="-DNAIVE_CONE", needs=("cone",)),
+    "Möller–Trumbore": Method(build="-DNAIVE_TRIANGLE", needs=("triangle",)),
+    "plain edges": Method(build="-DNAIVE_EDGES", needs=("triangle",)),
+    "fixed offset": Method(build="-DNAIVE_OFFSET=1e-4"),
+    "library's pow": Method(build="-DNAIVE_POW", needs=("specular", "specular_transmission")),
 }
 
 CUTOFFS = (0.1, 0.03, 0.01, 0.003, 0.001)
