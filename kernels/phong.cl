@@ -4,6 +4,9 @@
 typedef struct {
     vectors point, error, normal, shading, v, r;
     refraction t;
+#if HAS_TERMINATOR
+    vectors lift; // towards lights on v's side, feelers start so much farther out
+#endif
 } shade_point;
 
 // The material's coefficients at each lane.
@@ -89,6 +92,12 @@ vectors filter_feeler(const scene *s, vectors origin, vectors direction, reals l
 }
 #endif
 
+#if HAS_TERMINATOR
+ints is_lifted(const shade_point *p) {
+    return dot3(p->lift, p->normal) > splat(0);
+}
+#endif
+
 // What arrives at a point from its lights.
 INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps *l, ints front, ints active) {
     visibility v;
@@ -97,7 +106,13 @@ INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps
 #if HAS_SHADOWS
     if (!any_lane(active))
         return v;
-    const vectors origin = spawn(p->point, p->error, choose(front, p->normal, negate(p->normal)));
+    vectors point = p->point, error = p->error;
+#if HAS_TERMINATOR
+    const ints lifted = front & is_lifted(p);
+    point = choose(lifted, add(point, p->lift), point);
+    error = choose(lifted, add(error, scale(add(absolute(point), absolute(p->lift)), splat(GAMMA(8)))), error);
+#endif
+    const vectors origin = spawn(point, error, choose(front, p->normal, negate(p->normal)));
     const vectors segment = reach(l, origin);
     const reals length = sqrt(dot3(segment, segment));
     const vectors direction = scale(segment, splat(1) / length);
@@ -125,7 +140,12 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
     const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
-    const ints front = active & (cosine > splat(0)) & (side > splat(0));
+#if HAS_TERMINATOR
+    const ints above = (side > splat(0)) | is_lifted(p); // a flat triangle's own horizon does not count
+#else
+    const ints above = side > splat(0);
+#endif
+    const ints front = active & (cosine > splat(0)) & above;
     ints sends = mask(false);
     vectors diffuse = where(sends, l->diffuse), specular = diffuse;
     reals shine = splat(0);

@@ -134,6 +134,9 @@ INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
     q.error = e->f.error;
     q.v = negate(p->direction);
     q.normal = choose(e->entering, e->f.normal, negate(e->f.normal));
+#if HAS_TERMINATOR
+    q.lift = e->f.lift;
+#endif
     q.shading = q.normal;
 #if HAS_SMOOTH
     const vectors turned = choose(e->entering, e->f.shading, negate(e->f.shading));
