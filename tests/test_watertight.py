@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from blocks import WIDTH
-from shapes import LEVELS, TRIANGLE, UNIT, WAYS, Shapes, dot, frame, length, only, unit, units
+from shapes import LEVELS, TRIANGLE, UNIT, WAYS, Shapes, dot, frame, leave, length, only, unit, units
 from targets import KINDS, SINGLE, SOLID, Targets, aim, ball, make_targets
 
 import feeler
@@ -277,6 +277,8 @@ def look_at(kind: str, level: str, count: int, seed: int) -> None:
             off = units(rng, len(half)) * (targets.size[half] * 10 ** rng.uniform(-7, 0, len(half)))[:, None]
             target[: BATCH // 2] = targets.rim(rng, half) + off
         origin, direction = aim(targets, rng, numbers, target)
+        if kind == "plane":  # else all would meet it
+            direction[::2] = leave(rng, targets.shapes.rows[numbers[::2], 4:7]) * rng.choice([-1, 1], (BATCH // 2, 1))
         ray = targets.ray(origin, direction)
         way = [*WAYS][batch % 3] if level == "standard" else "alone"
         found, _ = targets.meet(ray, numbers, way)
