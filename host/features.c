@@ -25,6 +25,7 @@ const char *const feature_names[FEATURE_COUNT] = {
     "total_reflection",
     "shadows",
     "filtered_shadows",
+    "terminator",
     "lights",
     "tree",
 };
@@ -88,12 +89,15 @@ static uint32_t scene_features(const feeler_scene *scene) {
     features |= bit(FEATURE_REFLECTION, features & bit(FEATURE_TOTAL_REFLECTION, true));
     features |= bit(FEATURE_SHADOWS, scene->shadows && scene->light_count > 0);
     features |= bit(FEATURE_FILTERED_SHADOWS, scene->shadows && scene->filtered_shadows && transmits);
+    features |= bit(FEATURE_TERMINATOR, features & bit(FEATURE_SHADOWS, true) && features & bit(FEATURE_SMOOTH, true) &&
+                                            scene->smooth_terminator);
     features |= bit(FEATURE_LIGHTS, scene->light_count > 1);
     return features;
 }
 
 needs choose_needs(const feeler_scene *scene, const feeler_settings *s) {
-    uint32_t settings = bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true);
+    uint32_t settings =
+        bit(FEATURE_SHADOWS, true) | bit(FEATURE_FILTERED_SHADOWS, true) | bit(FEATURE_TERMINATOR, true);
     needs n = {.features = scene_features(scene), .media = MOST_MEDIA, .width = WIDTH};
     if (s->general) /* whether there are shadows is a setting, not something that a scene might do without */
         n.features |= all_features & ~settings;

@@ -140,7 +140,7 @@ struct feeler_scene {
     vec3 background, ambient;
     int depth;
     double cutoff;
-    bool shadows, filtered_shadows;
+    bool shadows, filtered_shadows, smooth_terminator;
     scene_light *lights;
     size_t light_count, light_capacity;
     scene_material *materials;

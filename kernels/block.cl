@@ -136,6 +136,14 @@ INLINE hit try_polygon(const scene *s, const ray *around, ints active, hit best,
 }
 #endif
 
+#if HAS_TRIANGLE
+// Whether the entries, triangles that are large for these crossings' distance, are ahead of the ray at all (see is_before).
+NOINLINE ints are_ahead(const ray *r, global const real *block, uint k, bool together) {
+    return is_before(r->origin, r->direction, load_fields(block, 0, k, together), load_fields(block, 3, k, together),
+                     load_fields(block, 6, k, together));
+}
+#endif
+
 // The nearest hit after the entries k, k + 1, ... have been met, or entry k. Bounds come last, because few are found.
 INLINE hit try_entries(const scene *s, const ray *around, ints active, hit best, global const real *block,
                        global const uint *numbers, uint tag, uint k, bool together) {
@@ -154,6 +162,14 @@ INLINE hit try_entries(const scene *s, const ray *around, ints active, hit best,
     COUNT(s, COUNT_FOUND(kind, together), 1);
     const boxes b = load_boxes(block, kind, k, together);
     c = clamp_crossing(r, b.low, b.high, c);
-    const ints better = is_nearer(r, best, active, c, number);
+    ints better = is_nearer(r, best, active, c, number);
+#if HAS_TRIANGLE
+    if (kind == KIND_TRIANGLE) {
+        const reals size = largest(sub(b.high, b.low));
+        const ints close = better & (c.distance < size * R(0x1p-4));
+        if (any_lane(close))
+            better &= !close | ((c.distance > size * GAMMA(16)) & are_ahead(around, block, k, together));
+    }
+#endif
     return together ? nearest_lane(best, better, c, number) : choose_crossing(better, c, number, best);
 }

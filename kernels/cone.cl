@@ -39,12 +39,14 @@ chord intersect_double_cone(vectors o, vectors d, reals radius, reals change) {
     const reals b = -fma(o.x, d.x, difference_of_products(o.y, d.y, radius, change));
     const reals c = (distance - fabs(radius)) * (distance + fabs(radius));
     const reals q = b + copysign(sqrt(max(discriminant, splat(0))), b);
-    const ints parallel = q == splat(0); // to the axis of a cylinder: inside everywhere or nowhere
+    const ints parallel =
+        q == splat(0); // to the axis of a cylinder: inside everywhere or nowhere (a may be a vanishing square)
     const reals one = parallel ? splat(-INFINITY) : c / q;
     const reals two = parallel ? splat(INFINITY) : q / a; // infinite when parallel to the side, a = 0
     chord k;
     k.steep = a < splat(0);
-    k.found = parallel ? (a == splat(0)) & (c <= splat(0)) : (discriminant >= splat(0)) | (c < splat(0)) | k.steep;
+    k.found = parallel ? (c < splat(0)) | ((a == splat(0)) & (c <= splat(0)))
+                       : (discriminant >= splat(0)) | (c < splat(0)) | k.steep;
     k.first = min(one, two);
     k.last = max(one, two);
     return k;

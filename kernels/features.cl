@@ -63,6 +63,9 @@
 #ifndef HAS_FILTERED_SHADOWS
 #define HAS_FILTERED_SHADOWS 1
 #endif
+#ifndef HAS_TERMINATOR /* feelers that start above flat triangles with smooth normals */
+#define HAS_TERMINATOR HAS_SMOOTH
+#endif
 #ifndef HAS_LIGHTS /* more than one */
 #define HAS_LIGHTS 1
 #endif

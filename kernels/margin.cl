@@ -302,51 +302,51 @@ real blur_of_refraction(vectors t, vectors n, real eta, real v, real n_blur) {
     return eta * (v + R(2) * n_blur) * (R(1) + sine / cosine) + n_blur + GAMMA(16) * (R(1) + sine / cosine);
 }
 
-void weigh(const scene *s, real margin) {
+void lower_margin(const scene *s, real margin) {
     *s->margin = min(*s->margin, margin);
 }
 
 // Which side of the surface a light is on: both normals must agree on it. Each side matters only if the material shows it.
 void weigh_light(const scene *s, real cosine, real side, real bound, bool front, bool back) {
     if (front)
-        weigh(s, fabs(in_bounds(min(cosine, side), bound)));
+        lower_margin(s, fabs(in_bounds(min(cosine, side), bound)));
     if (back)
-        weigh(s, fabs(in_bounds(min(-cosine, -side), bound)));
+        lower_margin(s, fabs(in_bounds(min(-cosine, -side), bound)));
 }
 
 // |t_par|^2 < 1 (16.17): v and n are off by `tilt` together.
 void weigh_critical_angle(const scene *s, vectors v, vectors n, real eta, real tilt) {
     const vectors parallel = scale(along(negate(v), n, dot3(v, n)), eta);
     const real squared = dot3(parallel, parallel);
-    weigh(s, fabs(in_bounds(R(1) - squared, squared * GAMMA(12) + R(2) * sqrt(squared) * eta * tilt)));
+    lower_margin(s, fabs(in_bounds(R(1) - squared, squared * GAMMA(12) + R(2) * sqrt(squared) * eta * tilt)));
 }
 
 #define PENCIL_OF(p, r) make_pencil(*(r), (p)->blur, (p)->slant, &(p)->source)
-#define WEIGH_HIT(s, p, r, h)                                                                                           \
+#define WEIGH_HIT(s, p, r, h)                                                                                          \
     do {                                                                                                               \
         const pencil around = PENCIL_OF(p, r);                                                                         \
-        weigh(s, margin_of_hit(s, &around, h));                                                                         \
+        lower_margin(s, margin_of_hit(s, &around, h));                                                                 \
     } while (0)
-#define WEIGH_SURFACE(s, p, r, e)                                                                                       \
+#define WEIGH_SURFACE(s, p, r, e)                                                                                      \
     do {                                                                                                               \
         const pencil around = PENCIL_OF(p, r);                                                                         \
         (e)->doubt = doubt_surface(s, &around, &(e)->h, &(e)->f);                                                      \
     } while (0)
-#define WEIGH_REFRACTION(s, p, e, q)                                                                                    \
+#define WEIGH_REFRACTION(s, p, e, q)                                                                                   \
     do {                                                                                                               \
         if (is_positive(GATHER((s)->materials, (e)->id.material, transmission).xyz) ||                                 \
             is_positive(GATHER((s)->materials, (e)->id.material, specular_transmission).xyz))                          \
-            weigh_critical_angle(s, (q)->v, (q)->shading, (e)->b.eta, (q)->doubt.normal + (p)->slant);                  \
+            weigh_critical_angle(s, (q)->v, (q)->shading, (e)->b.eta, (q)->doubt.normal + (p)->slant);                 \
     } while (0)
 // What the way to a light may be off by, per unit of its length.
 #define BLUR_OF_WAY(q, l, length)                                                                                      \
     ((l)->is_near                                                                                                      \
          ? length_of(add((q)->doubt.point, add(blur_of_point((q)->point), blur_of_point((l)->position)))) / (length)   \
          : R(0))
-#define WEIGH_LIGHT(s, q, c, l, cosine, side, squared)                                                                  \
-    weigh_light(s, cosine, side, GAMMA(8) + (q)->doubt.normal + BLUR_OF_WAY(q, l, sqrt(squared)),                       \
-               is_positive(mul((c)->diffuse, (l)->diffuse)) || is_positive(mul((c)->specular, (l)->specular)),         \
-               is_positive(mul(BACK_DIFFUSE(c), (l)->diffuse)) || is_positive(mul(BACK_SPECULAR(c), (l)->specular)))
+#define WEIGH_LIGHT(s, q, c, l, cosine, side, squared)                                                                 \
+    weigh_light(s, cosine, side, GAMMA(8) + (q)->doubt.normal + BLUR_OF_WAY(q, l, sqrt(squared)),                      \
+                is_positive(mul((c)->diffuse, (l)->diffuse)) || is_positive(mul((c)->specular, (l)->specular)),        \
+                is_positive(mul(BACK_DIFFUSE(c), (l)->diffuse)) || is_positive(mul(BACK_SPECULAR(c), (l)->specular)))
 #if HAS_DIFFUSE_TRANSMISSION
 #define BACK_DIFFUSE(c) (c)->diffuse_transmission
 #else
@@ -357,12 +357,12 @@ void weigh_critical_angle(const scene *s, vectors v, vectors n, real eta, real t
 #else
 #define BACK_SPECULAR(c) make_vectors(R(0), R(0), R(0))
 #endif
-#define WEIGH_FEELER(s, q, l, active, origin, direction, length, limit)                                                 \
+#define WEIGH_FEELER(s, q, l, active, origin, direction, length, limit)                                                \
     do {                                                                                                               \
         const pencil around = make_pencil(make_ray(origin, direction), (q)->doubt.point,                               \
                                           GAMMA(4) + BLUR_OF_WAY(q, l, length), &(q)->source);                         \
         if (active)                                                                                                    \
-            weigh(s, margin_of_feeler(s, &around, limit));                                                              \
+            lower_margin(s, margin_of_feeler(s, &around, limit));                                                      \
     } while (0)
 #else
 #define WEIGH_HIT(s, p, r, h) ((void)0)

@@ -8,6 +8,9 @@ typedef struct {
     hit source; // the surface
     doubt doubt;
 #endif
+#if HAS_TERMINATOR
+    vectors lift; // towards lights on v's side, feelers start so much farther out
+#endif
 } shade_point;
 
 // The material's coefficients at each lane.
@@ -108,6 +111,12 @@ void note_blocker(const scene *s, const ray *feeler, ints active, reals limit) {
 }
 #endif
 
+#if HAS_TERMINATOR
+ints is_lifted(const shade_point *p) {
+    return dot3(p->lift, p->normal) > splat(0);
+}
+#endif
+
 // What arrives at a point from its lights.
 INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps *l, ints front, ints active) {
     visibility v;
@@ -116,7 +125,13 @@ INLINE visibility send_feelers(const scene *s, const shade_point *p, const lamps
 #if HAS_SHADOWS
     if (!any_lane(active))
         return v;
-    const vectors origin = spawn(p->point, p->error, choose(front, p->normal, negate(p->normal)));
+    vectors point = p->point, error = p->error;
+#if HAS_TERMINATOR
+    const ints lifted = front & is_lifted(p);
+    point = choose(lifted, add(point, p->lift), point);
+    error = choose(lifted, add(error, scale(add(absolute(point), absolute(p->lift)), splat(GAMMA(8)))), error);
+#endif
+    const vectors origin = spawn(point, error, choose(front, p->normal, negate(p->normal)));
     const vectors segment = reach(l, origin);
     const reals length = sqrt(dot3(segment, segment));
     const vectors direction = scale(segment, splat(1) / length);
@@ -145,8 +160,12 @@ INLINE illumination illuminate(const scene *s, const shade_point *p, const coeff
     const vectors segment = reach(l, p->point);
     const reals squared = dot3(segment, segment);
     const vectors direction = scale(segment, splat(1) / sqrt(squared)); // L_i, L_ti
-    const reals cosine = dot3(direction, p->shading), side = dot3(direction, p->normal);
+    const reals cosine = dot3(direction, p->shading);
+    reals side = dot3(direction, p->normal);
     active &= squared > splat(0); // a light at Q itself contributes nothing
+#if HAS_TERMINATOR
+    side = (is_lifted(p) & (side <= splat(0))) ? cosine : side; // a flat triangle's own horizon does not count
+#endif
     WEIGH_LIGHT(s, p, c, l, cosine, side, squared);
     const ints front = active & (cosine > splat(0)) & (side > splat(0));
     ints sends = mask(false);

@@ -10,6 +10,9 @@ INLINE surface choose_surface(ints m, surface a, surface b) {
     a.error = choose(m, a.error, b.error);
     a.normal = choose(m, a.normal, b.normal);
     a.shading = choose(m, a.shading, b.shading);
+#if HAS_TERMINATOR
+    a.lift = choose(m, a.lift, b.lift);
+#endif
     return a;
 }
 
@@ -35,22 +38,56 @@ surface surface_of_triangles(const scene *s, const hit *h, ints index) {
 #endif
 
 #if HAS_SMOOTH
-// The interpolated normal, on the side of the triangle's own. In an instance the corners' normals are turned one by one, as
-// those of a mesh that is moved itself.
+// A corner's normal. In an instance they are turned one by one, as those of a mesh that is moved itself.
+vectors gather_normal(const scene *s, ints index, int corner, ints smooth, const placement *at, ints inside) {
+    const vectors n = gather_corner(s, s->normals, index, corner, smooth);
+#if HAS_INSTANCE
+    return choose(inside, turn_normal(at, n), n);
+#else
+    return n;
+#endif
+}
+
+// The interpolated normal, on the side of the triangle's own.
 vectors shading_of_triangles(const scene *s, const hit *h, ints index, ints smooth, vectors normal, const placement *at,
                              ints inside) {
     vectors n[3];
-    for (int i = 0; i < 3; i++) {
-        n[i] = gather_corner(s, s->normals, index, i, smooth);
-#if HAS_INSTANCE
-        n[i] = choose(inside, turn_normal(at, n[i]), n[i]);
-#endif
-    }
+    for (int i = 0; i < 3; i++)
+        n[i] = gather_normal(s, index, i, smooth, at, inside);
     const vectors sum = interpolate(n[0], n[1], n[2], h->u, h->v);
     const ints usable = smooth & (dot3(sum, sum) > splat(0));
     vectors mean = normalise(sum);
     mean = choose(dot3(mean, normal) < splat(0), negate(mean), mean);
     return choose(usable, mean, normal);
+}
+#endif
+
+#if HAS_TERMINATOR
+// From a point up to the mean of its projections onto the corners' tangent planes, weighted as the corners are; planes below
+// it count as at it (Hanika 2021, Hacking the Shadow Terminator). All is above on the side of `normal`, or 0.
+vectors lift_of_triangles(const scene *s, const hit *h, ints index, ints smooth, vectors normal, const placement *at,
+                          ints inside) {
+    vectors v[3], n[3];
+    for (int i = 0; i < 3; i++) {
+        v[i] = gather_corner(s, s->vertices, index, i, smooth);
+        n[i] = gather_normal(s, index, i, smooth, at, inside);
+    }
+    const ints below = dot3(interpolate(n[0], n[1], n[2], h->u, h->v), normal) < splat(0);
+    const vectors a = sub(v[1], v[0]), b = sub(v[2], v[0]);
+    const vectors first = negate(along(scale(a, h->u), b, h->v)); // from the point to the corners
+    const vectors to[3] = {first, add(first, a), add(first, b)};
+    const reals weight[3] = {splat(1) - h->u - h->v, h->u, h->v};
+    vectors lift = where(mask(false), normal);
+    for (int i = 0; i < 3; i++) {
+#if HAS_INSTANCE
+        const vectors way = choose(inside, apply(at->to_world, to[i]), to[i]);
+#else
+        const vectors way = to[i];
+#endif
+        const vectors up = choose(below, negate(n[i]), n[i]);
+        lift = along(lift, up, weight[i] * max(dot3(way, up), splat(0)));
+    }
+    return where(smooth & (dot3(lift, normal) > splat(0)), lift);
 }
 #endif
 
@@ -154,6 +191,13 @@ surface find_surface(const scene *s, const ray *r, const hit *h, ints active, co
         f.shading =
             choose(smooth, shading_of_triangles(s, h, index_where(smooth, id->index), smooth, f.normal, &at, inside),
                    f.shading);
+#endif
+#if HAS_TERMINATOR
+    f.lift = where(mask(false), f.normal);
+    if (any_ray(smooth)) {
+        const vectors facing = choose(dot3(f.normal, r->direction) < splat(0), f.normal, negate(f.normal));
+        f.lift = lift_of_triangles(s, h, index_where(smooth, id->index), smooth, facing, &at, inside);
+    }
 #endif
     return f;
 }

@@ -59,8 +59,9 @@ reals component(vectors a, ints axis, int offset) {
     }
 }
 
+// -0 counts as 0: a point on an edge counts as moved along +x and +y (triangle.cl), and boxes must agree.
 reals reciprocal(reals d) {
-    return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d) : d);
+    return splat(1) / (fabs(d) < LEAST_DIRECTION ? copysign(splat(LEAST_DIRECTION), d + splat(0)) : d);
 }
 
 // No hit that is as far as the limit.
@@ -226,7 +227,10 @@ hit choose_crossing(ints m, crossing c, ints number, hit other) {
 }
 
 // The surface at a hit: the point, its rounding error per coordinate, the outward geometric normal and the shading normal
-// (both of length 1).
+// (both of length 1). `lift`: from the point up to the surface that its shading normals describe, on the ray's side.
 typedef struct {
     vectors point, error, normal, shading;
+#if HAS_TERMINATOR
+    vectors lift;
+#endif
 } surface;

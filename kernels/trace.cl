@@ -166,6 +166,9 @@ INLINE shade_point make_shade_point(const packet *p, const encounter *e) {
     q.doubt = e->doubt;
 #endif
     q.normal = choose(e->entering, e->f.normal, negate(e->f.normal));
+#if HAS_TERMINATOR
+    q.lift = e->f.lift;
+#endif
     q.shading = q.normal;
 #if HAS_SMOOTH
     const vectors turned = choose(e->entering, e->f.shading, negate(e->f.shading));

@@ -8,6 +8,23 @@ ints is_left(vectors p, vectors q, reals e) {
     return (e > splat(0)) | ((e == splat(0)) & ((p.y > q.y) | ((p.y == q.y) & (q.x > p.x))));
 }
 
+// The normal of a counter-clockwise triangle. Edges are divided by their largest component first: their product must not
+// leave the range of numbers.
+vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
+    const vectors a = sub(v1, v0), b = sub(v2, v0);
+    return normalise(cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b)))));
+}
+
+// Whether the triangle's plane is ahead of the origin, by the corner that tells best. The distance, in which the corners'
+// distances cancel, cannot say so for a ray that starts on a triangle far larger than the distance.
+ints is_before(vectors origin, vectors direction, vectors v0, vectors v1, vectors v2) {
+    const vectors n = triangle_normal(v0, v1, v2), size = absolute(n);
+    const vectors a = sub(v0, origin), b = sub(v1, origin), c = sub(v2, origin);
+    const reals of_a = dot3(size, absolute(a)), of_b = dot3(size, absolute(b)), of_c = dot3(size, absolute(c));
+    const vectors best = choose((of_a <= of_b) & (of_a <= of_c), a, choose(of_b <= of_c, b, c));
+    return (dot3(n, best) > splat(0)) == (dot3(n, direction) > splat(0));
+}
+
 crossing intersect_triangle(ray r, vectors v0, vectors v1, vectors v2, uint flags) {
     vectors a = apply_shear(r, v0), b = apply_shear(r, v1), c = apply_shear(r, v2);
     const reals unit = power_over(max(largest_across(a), max(largest_across(b), largest_across(c))));
@@ -40,13 +57,6 @@ vectors interpolate(vectors a, vectors b, vectors c, reals u, reals v) {
     const reals w = splat(1) - u - v;
     return make_vectors(fma(w, a.x, fma(u, b.x, v * c.x)), fma(w, a.y, fma(u, b.y, v * c.y)),
                         fma(w, a.z, fma(u, b.z, v * c.z)));
-}
-
-// The normal of a counter-clockwise triangle. Edges are divided by their largest component first: their product must not
-// leave the range of numbers.
-vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
-    const vectors a = sub(v1, v0), b = sub(v2, v0);
-    return normalise(cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b)))));
 }
 
 // The point from the weights of the corners, which is nearer to the triangle than the ray's (pbrt 4th ed., 6.8.5).

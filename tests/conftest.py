@@ -30,7 +30,8 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "feeler"))
 # What one worker of xdist does: a file's tests share kernels, and so do those of the first group. What takes longest begins.
 GROUPS = [
     ("test_primitives", "test_polygons", "test_optics"),
-    ("test_invariants",), ("test_stability",), ("test_instances",), ("test_packets",), ("test_scenes",), ("test_probe",), ("test_python",),
+    ("test_invariants", "test_guarantees"), ("test_reintersection", "test_watertight"), ("test_stability",), ("test_instances",),
+    ("test_packets",), ("test_scenes",), ("test_probe",), ("test_python",),
 ]  # fmt: skip
 
 

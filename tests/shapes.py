@@ -167,6 +167,16 @@ def spawn(level: str, s: Any, side: Any) -> Any:
     return feeler.probe("spawn", s.point, s.error, side, level=level, options=SHAPES)
 
 
+def leave(rng: np.random.Generator, side: Any) -> Any:
+    """Directions to the side of a normal, half of them grazing it, down to a slope of 1e-6."""
+    side = unit(side)
+    e = units(rng, len(side))
+    e = np.where(dot(e, side)[:, None] < 0, -e, e)
+    slope = 10 ** rng.uniform(-6, 0, (len(side), 1))
+    along = unit(e - side * dot(e, side)[:, None]) + side * slope
+    return np.where(rng.random((len(side), 1)) < 0.5, unit(along), e)
+
+
 # ---- random ones, sizes from `least` to `most`, centres within ten sizes of the origin
 
 
@@ -174,9 +184,32 @@ def random_shapes(name: str, level: str, count: int, seed: int, least: float = 1
     rng = np.random.default_rng(seed)
     size = np.exp(rng.uniform(np.log(least), np.log(most), (count, 1)))
     centre = rng.uniform(-10, 10, (count, 3)) * size
+    return make_shapes(name, level, rng, size, centre)
+
+
+def spread(rng: np.random.Generator, shape: tuple[int, ...], decades: float) -> Any:
+    """Numbers of either sign whose sizes are spread evenly over 10^±decades."""
+    return rng.choice([-1, 1], shape) * 10 ** rng.uniform(-decades, decades, shape)
+
+
+def wide_shapes(name: str, level: str, count: int, seed: int) -> Shapes:
+    """As pbrt's Reintersect has them: radii of 10^±4, and coordinates of 10^±8 for one half; the others are within ten
+    sizes of the origin.
+    """
+    rng = np.random.default_rng(seed)
+    size = abs(spread(rng, (count, 1), 4))
+    far = rng.random((count, 1)) < 0.5
+    if name == "stretched triangle":  # pbrt's: every coordinate by itself
+        return Shapes(TRIANGLE, level, points=spread(rng, (count, 3, 3), 8))
+    centre = np.where(far, spread(rng, (count, 3), 8), rng.uniform(-10, 10, (count, 3)) * size)
+    return make_shapes(name, level, rng, size, centre)
+
+
+def make_shapes(name: str, level: str, rng: np.random.Generator, size: Any, centre: Any) -> Shapes:
+    """Primitives of these sizes at these places, a quarter of them along the axes."""
+    count, real = len(centre), REAL[level]
     axis = units(rng, count)
     axis[: count // 4] = np.eye(3)[rng.integers(0, 3, count // 4)]
-    real = REAL[level]
     zero = np.zeros((count, 1))
     if name == "sphere":
         rows = np.hstack([centre, size]).astype(real)
@@ -189,7 +222,7 @@ def random_shapes(name: str, level: str, count: int, seed: int, least: float = 1
         low = centre.astype(real)
         high = (centre + size * rng.uniform(0.01, 1, (count, 3))).astype(real)
         return Shapes(BOX, level, None, low, high)
-    if name in ("triangle", "polygon"):
+    if name in ("triangle", "polygon", "convex polygon"):
         return _random_faces(name, level, rng, size, centre, axis)
     return _random_cones(name, level, rng, size, centre, axis)
 
@@ -200,7 +233,7 @@ def _random_faces(name: str, level: str, rng: np.random.Generator, size: Any, ce
     if name == "triangle":
         return Shapes(TRIANGLE, level, points=centre[:, None] + size[:, None] * rng.uniform(-1, 1, (count, 3, 3)))
     turn = np.arange(7) / 7 * 2 * np.pi + rng.uniform(0, 6, (count, 1))
-    arm = size * rng.uniform(0.2, 1, (count, 7))
+    arm = size * (1 if name == "convex polygon" else rng.uniform(0.2, 1, (count, 7)))
     corners = (
         centre[:, None] + (arm * np.cos(turn))[..., None] * u[:, None] + (arm * np.sin(turn))[..., None] * v[:, None]
     )
@@ -208,18 +241,21 @@ def _random_faces(name: str, level: str, rng: np.random.Generator, size: Any, ce
     return Shapes(POLYGON, level, np.hstack([middle, zero, axis, zero]), points=corners)
 
 
+# The radius at the top over that at the base.
+TOPS = {"cylinder": [1.0], "cone": [0.0, 0.5, 1.5], "pointed cone": [0.0], "truncated cone": [0.5, 1.5]}
+
+
 def _random_cones(name: str, level: str, rng: np.random.Generator, size: Any, centre: Any, axis: Any) -> Shapes:
     count = len(centre)
     u, v = frame(axis)
-    assert name in ("cylinder", "cone", "open cone")
     radius, height = size * rng.uniform(0.1, 1, (count, 1)), size * rng.uniform(0.1, 1, (count, 1))
-    top = radius if name == "cylinder" else radius * rng.choice([0.0, 0.5, 1.5], (count, 1))
+    top = radius * rng.choice(TOPS[name.removeprefix("open ")], (count, 1))
     slope = (top - radius) / height
     rows = np.hstack([centre, radius, u, height, v, slope, axis, top])
     reach = np.maximum(radius, top) * np.sqrt(np.maximum(0, 1 - axis**2))
     ends = np.stack([centre, centre + axis * height])
     shapes = Shapes(CONE, level, rows, ends.min(0) - reach, ends.max(0) + reach)
-    shapes.flags = 0 if name == "open cone" else CAPPED
+    shapes.flags = 0 if name.startswith("open ") else CAPPED
     return shapes
 
 

@@ -253,3 +253,86 @@ def test_a_glass_stands_on_a_table(shape: str, height: float) -> None:
     assert (standing.pixels[..., 2] <= 0.25).all()
     assert standing.stats["rays"]["transmission"] > 700
     assert (standing.pixels != sunk.pixels).any(-1).sum() <= 2  # at the rim of the bottom
+
+
+# ---- where rays land, to a few roundings: a light under all layers says how far from it, by its cosine
+
+DEPTH, FOOT = -6.0, 1.5  # the floor, and how far above it the light is
+
+
+def stack_of(rng: np.random.Generator, way: str) -> list[tuple[float, float, float, int]]:
+    """Three layers (low, high, index, priority) that touch, overlap, or lie apart or inside one another."""
+    index = rng.uniform(1.05, 2.4, 3)
+    if way == "touching":
+        z = [0.0, *-np.cumsum(rng.uniform(0.2, 1.2, 3))]
+        return [(z[i + 1], z[i], index[i], 0) for i in range(3)]
+    ends = np.sort(rng.uniform(-4, 0.5, (3, 2)), axis=1)
+    return [(*ends[i], index[i], int(p)) for i, p in enumerate(rng.permutation(3))]
+
+
+def indices_below(layers: list[tuple[float, float, float, int]]) -> list[tuple[float, float]]:
+    """Each height where the index changes, from above, and the index below it: of the layers there, the highest priority's."""
+    path, before = [], 1.0
+    for z in sorted({z for low, high, _, _ in layers for z in (low, high)}, reverse=True):
+        here = [(priority, index) for low, high, index, priority in layers if low < z <= high]
+        index = max(here)[1] if here else 1.0
+        if index != before:
+            path.append((z, index))
+        before = index
+    return path
+
+
+@pytest.mark.parametrize("where", ["above", "within"])
+@pytest.mark.parametrize("way", ["touching", "anyhow"])
+@pytest.mark.parametrize("seed", range(4))
+def test_layers_obey_snell_end_to_end(seed: int, way: str, where: str) -> None:
+    """n_1 sin a_1 = n_k sin a_k through boundaries that touch, overlap or are hidden, from outside and from within glass."""
+    rng = np.random.default_rng(seed)
+    layers = stack_of(rng, way)
+    path = indices_below(layers)
+    eye, first = 2.0, 1.0
+    if where == "within":
+        low, high, _, _ = layers[rng.integers(0, 3)]
+        eye = low + (high - low) * rng.uniform(0.3, 0.7)
+        first = ([1.0] + [index for z, index in path if z > eye])[-1]
+        path = [(z, index) for z, index in path if z < eye]
+    view = camera((0, -2, eye), (0.2, -1, eye - 2), up=(0, 0, 1), fov=30)
+    objects = [layer(low, high, glass(index, priority=priority)) for low, high, index, priority in layers]
+    floor = {"plane": {"normal": [0, 0, 1], "point": [0, 0, DEPTH]}, "material": {"diffuse": 1}}
+    scene = {
+        "camera": view,
+        "image": {"size": SIZE},
+        "objects": [*objects, floor],
+        "lights": [{"point": [0, 0, DEPTH + FOOT]}],
+    }
+    pixels = render(scene, depth=8).pixels[..., 0]
+    p, d = eye_rays(view, SIZE)
+    p, index, passes = p + 0 * d, first, np.ones(d.shape[:2], bool)
+    slope = length(d[..., :2])
+    for height, below in path:
+        p = p + d * ((height - p[..., 2]) / d[..., 2])[..., None]
+        found, d = refract(-d, UP, index / below)
+        passes &= found & (d[..., 2] < -0.1)  # the flatter, the farther a rounding takes a ray
+        d = np.where(passes[..., None], d, -UP)
+        index = below
+    assert abs(index * length(d[..., :2]) - first * slope)[passes].max() < 1e-12
+    p = p + d * ((DEPTH - p[..., 2]) / d[..., 2])[..., None]
+    expected = FOOT / np.sqrt(FOOT**2 + (p[..., :2] ** 2).sum(-1))
+    assert passes.mean() > 0.3
+    error = abs(pixels - expected)[passes].max()
+    print(f"{len(path)} bends from {first:.2f}: {error:.1e}")
+    assert error < 3e-6
+
+
+def test_touching_bends_as_overlapping_does() -> None:
+    """Two layers that end at the same height, and two that overlap there with a priority, send rays to the same places."""
+    floor = {"plane": {"normal": [0, 0, 1], "point": [0, 0, DEPTH]}, "material": {"diffuse": 1}}
+    scene = {"camera": VIEW, "image": {"size": SIZE}, "lights": [{"point": [0, 0, DEPTH + FOOT]}]}
+    stacks = [
+        [layer(-1, 0, glass(A)), layer(-2, -1, glass(B))],
+        [layer(-1, 0, glass(A, priority=1)), layer(-2, -0.5, glass(B))],
+        [layer(-1.5, 0, glass(A)), layer(-2, -1, glass(B, priority=1))],
+    ]
+    touching, *others = (render({**scene, "objects": [*stack, floor]}, depth=8).pixels for stack in stacks)
+    assert touching[..., 0].std() > 0.05
+    assert all(abs(pixels - touching).max() < 1e-6 for pixels in others)

@@ -25,6 +25,7 @@ CLAIMS: dict[str, set[str]] = {
         "total_reflection",
     },
     "water": {"cone", "transmission", "priority", "fresnel"},
+    "glass-of-water": {"cone", "transmission", "priority", "fresnel", "filtered_shadows"},
     "forest": {"instance", "sphere", "cone", "plane", "reflection", "shadows", "tree"},
     "mirror-room": {"polygon", "reflection", "shadows"},
     "night": {"cone", "diffuse_transmission", "shadows"},
