@@ -164,7 +164,7 @@ INLINE hit try_entries(const scene *s, const ray *around, ints active, hit best,
     c = clamp_crossing(r, b.low, b.high, c);
     ints better = is_nearer(r, best, active, c, number);
 #if HAS_TRIANGLE
-    if (kind == KIND_TRIANGLE) {
+    if (kind == KIND_TRIANGLE && any_lane(better)) {
         const reals size = largest(sub(b.high, b.low));
         const ints close = better & (c.distance < size * R(0x1p-4));
         if (any_lane(close))

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 from blocks import block_tables, corner_tables
 
 import feeler
@@ -19,6 +20,8 @@ CAPPED = 16
 UNIT = {"standard": 2.0**-24, "reference": 2.0**-53}
 REAL: dict[str, Any] = {"standard": np.float32, "reference": np.float64}
 LEVELS = ["standard", "reference"]
+# Where double takes kernels of its own and shows little more.
+FLOAT_FIRST = ["standard", pytest.param("reference", marks=pytest.mark.slow)]
 
 # How rays meet a block: one ray has several entries side by side, as many as there are lanes; or many rays have one.
 WAYS = {"alone": (1, " -DRAYS=1"), "together": (8, " -DRAYS=1"), "apart": (8, " -DRAYS=8")}

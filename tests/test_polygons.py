@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import LEVELS, POLYGON, REAL, SHAPES, Shapes, column, cross_every_way, frame, ray, unit, units
+from shapes import FLOAT_FIRST, POLYGON, REAL, SHAPES, Shapes, column, cross_every_way, frame, ray, unit, units
 
 import feeler
 
@@ -51,7 +51,7 @@ def targets(rng: np.random.Generator, corners: Any) -> Any:
     )
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", FLOAT_FIRST)
 def test_on_a_grid(level: str) -> None:
     """Rays along an axis through points of a grid: nothing is rounded, and many pass through corners and edges."""
     inside, on_corners = 0, 0
@@ -78,7 +78,7 @@ def test_on_a_grid(level: str) -> None:
     assert on_corners > 1000
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", FLOAT_FIRST)
 def test_anyhow_turned(level: str) -> None:
     """What is decided is right for the corners as the ray sees them, which are rounded."""
     near = 0
