@@ -8,7 +8,7 @@ import numpy as np
 
 import feeler
 
-from .study import DOUBLE, NAIVE, OTHER, Curve, Panel, Study
+from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
 
 SEGMENTS = [8, 12, 16, 24, 32, 64, 128]
 
@@ -35,22 +35,23 @@ def globe(segments: int, smooth: bool) -> dict[str, Any]:
     return {"mesh": {"vertices": vertices, "triangles": faces, "normals": vertices, "smooth": smooth}}
 
 
-def picture(shape: dict[str, Any], level: str) -> Any:
-    """Lit from the side and seen from the front."""
+def picture(shape: dict[str, Any], level: str, terminator: bool = False) -> Any:
+    """Lit from the side and seen from the front. `terminator`: smooth_terminator."""
     return feeler.Scene({
         "camera": {"eye": [0, 0, 6], "look_at": [0, 0, 0], "fov": 22},
         "image": {"size": [160, 160]},
         "lights": [{"directional": [-1, -0.3, -0.2]}],
         "objects": [{**shape, "material": {"diffuse": 1}}],
+        "smooth_terminator": terminator,
     }).render(level=level).pixels[..., 0]  # fmt: skip
 
 
 def terminator() -> list[Panel]:
     exact = picture({"sphere": {"radius": 1}}, "reference")
 
-    def error(segments: int, smooth: bool, level: str) -> float:
+    def error(segments: int, smooth: bool, level: str, terminator: bool = False) -> float:
         """The mean of the difference where either is between black and a third: at the terminator, and off the outline."""
-        found = picture(globe(segments, smooth), level)
+        found = picture(globe(segments, smooth), level, terminator)
         y, x = np.mgrid[:160, :160] - 79.5
         inside = np.hypot(x, y) < 0.75 * 160 / 2 / np.tan(np.radians(11)) / np.sqrt(35)
         near = inside & (np.maximum(found, exact) > 0) & (exact < 0.33)
@@ -59,6 +60,7 @@ def terminator() -> list[Panel]:
     return [
         Panel("a smooth mesh against the sphere itself", "segments around", SEGMENTS, "mean error at the terminator", [
             Curve("smooth normals, facets decide, float", NAIVE, [error(s, True, "standard") for s in SEGMENTS], fails=0.03),
+            Curve("smooth normals, feelers lifted, float", ROBUST, [error(s, True, "standard", True) for s in SEGMENTS], never_over=MOST),
             Curve("the same, double", DOUBLE, [error(s, True, "reference") for s in SEGMENTS]),
             Curve("flat facets, float", OTHER, [error(s, False, "standard") for s in SEGMENTS]),
         ]),
