@@ -35,12 +35,48 @@ GROUPS = [
 ]  # fmt: skip
 
 
+# What takes longest and says least that nothing shorter says: for `make test-long`.
+LONG = [
+    "test_accuracy.py::test_methods",
+    "test_channels.py::test_margins_do_not_depend_on_the_tree",
+    "test_cli_pictures.py::test_discarded_weight_shrinks_with_depth",
+    "test_counting.py::test_steps_are_counted[1]",
+    "test_instances.py::test_lanes",
+    "test_instances.py::test_lanes_with_filtered_shadows",
+    "test_instances.py::test_the_identity_is_nothing[reference]",
+    "test_invariants.py::test_brute_force_is_the_tree[reference]",
+    "test_invariants.py::test_lanes[draft-8-False]",
+    "test_invariants.py::test_lanes[reference-4-True]",
+    "test_invariants.py::test_several_pixels_of_a_work_item",
+    "test_meshes.py::test_shells_within_shells[out]",
+    "test_packets.py::test_every_way_finds_the_same[reference",
+    "test_packets.py::test_the_rays_are_worth_it[reference]",
+    "test_probe.py::test_lanes_never_change_bits",
+    "test_probe.py::test_results_are_arguments[1",
+    "test_python.py::test_settings_that_never_change_the_picture",
+    "test_scenes.py::test_float_against_double[mirror-room]",
+    "test_scenes.py::test_float_against_double[night]",
+    "test_scenes.py::test_float_against_double[still-life]",
+    "test_stability.py::test_a_row_of_the_catalogue[11-",
+    "test_stability.py::test_a_row_of_the_catalogue[12-",
+    "test_stability.py::test_a_row_of_the_catalogue[14-",
+    "test_stability.py::test_a_row_of_the_catalogue[2-",
+    "test_stability.py::test_a_row_of_the_catalogue[26-",
+    "test_stability.py::test_a_row_of_the_catalogue[9-",
+    "test_whole_scenes.py::test_specialised_is_general",
+    "test_work_groups.py::test_a_crash_is_a_row",
+]
+
+
+@pytest.hookimpl(tryfirst=True)  # before -m leaves the slow ones out
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     def group(item: pytest.Item) -> int:
         return next((i for i, files in enumerate(GROUPS) if item.path.stem in files), len(GROUPS))
 
     items.sort(key=group)
     for item in items:
+        if any(long in item.nodeid for long in LONG):
+            item.add_marker(pytest.mark.slow)
         shares = GROUPS[group(item)][0] if group(item) < len(GROUPS) else item.path.stem
         item.add_marker(pytest.mark.xdist_group(shares))
 

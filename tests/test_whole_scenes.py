@@ -35,7 +35,7 @@ def check(description: dict[str, Any], **settings: Any) -> None:
     assert brute.stats["rays"] == image.stats["rays"]
 
 
-@hypothesis.settings(max_examples=50)
+@hypothesis.settings(max_examples=20)
 @hypothesis.given(scenes())
 def test_no_pixel_is_nan_or_infinite(description: dict[str, Any]) -> None:
     check(description)
