@@ -79,6 +79,15 @@ int clear_eye_media(const job *j, feeler_error *error) {
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueWriteBuffer", status);
 }
 
+/* One work-item; waits for it. */
+static int run_alone(const job *j, cl_kernel kernel, feeler_error *error) {
+    const size_t one = 1;
+    cl_int status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
+    if (status == CL_SUCCESS)
+        status = clFinish(j->device->queue);
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
+}
+
 int find_eye_media(const job *j, feeler_error *error) {
     cl_int status = CL_SUCCESS;
     cl_kernel kernel = j->program.find_eye_media;
@@ -88,11 +97,7 @@ int find_eye_media(const job *j, feeler_error *error) {
     status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &j->upload.eye_media);
     if (status != CL_SUCCESS)
         return fail_cl(error, "clSetKernelArg", status);
-    const size_t one = 1;
-    status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
-    if (status == CL_SUCCESS)
-        status = clFinish(j->device->queue);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
+    return run_alone(j, kernel, error);
 }
 
 int bind_frame(const job *j, const slot *s, cl_kernel kernel, int first, int end, feeler_error *error) {
@@ -188,11 +193,7 @@ int launch_notes(const job *j, const cl_mem *buffers, size_t count, uint4 room, 
     status |= clSetKernelArg(kernel, i, sizeof(cl_mem), &counts);
     if (status != CL_SUCCESS)
         return fail_cl(error, "clSetKernelArg", status);
-    const size_t one = 1;
-    status = clEnqueueNDRangeKernel(j->device->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
-    if (status == CL_SUCCESS)
-        status = clFinish(j->device->queue);
-    return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueNDRangeKernel", status);
+    return run_alone(j, kernel, error);
 }
 
 double launch_seconds(job *j, const slot *s) {

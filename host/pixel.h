@@ -5,6 +5,7 @@
 #include "record.h"
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 /* Notes of a scene's pixel with what is needed to tell them: which rays, lights and crossings belong together, and which
@@ -43,6 +44,10 @@ json_t *parts_json(const story *story, feeler_error *error);
 
 /* pixel_words.c: why the pixel has its colour, in lines; takes what feeler_pixel_json makes, but for these lines. */
 json_t *words_json(const json_t *pixel);
+/* A member as text ("" where there is none) or as a whole number; whether all three of a colour are 0. */
+const char *text_of(const json_t *object, const char *key);
+int whole_of(const json_t *object, const char *key);
+bool is_zero(const json_t *colour);
 /* Prints "objects[2] sphere 'red'", and where `with_place` its file, line and column. `hit`: has "object" and "material". */
 void print_object(FILE *out, const json_t *hit, bool with_place);
 /* Prints three numbers, or one where they are the same. */

@@ -23,22 +23,6 @@ typedef struct drawing {
     int depth; /* greatest level so far */
 } drawing;
 
-static const char *text_of(const json_t *object, const char *key) {
-    const char *text = json_string_value(json_object_get(object, key));
-    return text ? text : "";
-}
-
-static int whole_of(const json_t *object, const char *key) {
-    return (int)json_integer_value(json_object_get(object, key));
-}
-
-static bool is_zero(const json_t *colour) {
-    for (size_t i = 0; i < 3; i++)
-        if (json_number_value(json_array_get(colour, i)) != 0)
-            return false;
-    return true;
-}
-
 /* Up to so many letters, with what XML asks for. */
 static void print_escaped(FILE *out, const char *text, int letters) {
     for (; *text; text++) {

@@ -11,24 +11,8 @@ typedef struct sheet {
     size_t length, size;
 } sheet;
 
-static const char *text_of(const json_t *object, const char *key) {
-    const char *text = json_string_value(json_object_get(object, key));
-    return text ? text : "";
-}
-
 static double number_of(const json_t *object, const char *key) {
     return json_number_value(json_object_get(object, key));
-}
-
-static int whole_of(const json_t *object, const char *key) {
-    return (int)json_integer_value(json_object_get(object, key));
-}
-
-static bool is_zero(const json_t *colour) {
-    for (size_t i = 0; i < 3; i++)
-        if (json_number_value(json_array_get(colour, i)) != 0)
-            return false;
-    return true;
 }
 
 static void print_vector(FILE *out, const char *label, const json_t *vector) {

@@ -9,7 +9,11 @@ enum { MOST_LINES = 8 };
 /* Below this a channel is 0 in 8 bits of sRGB. */
 static const double darkest = 0.5 / 255 / 12.92;
 
-static const char *text_of(const json_t *object, const char *key) {
+int whole_of(const json_t *object, const char *key) {
+    return (int)json_integer_value(json_object_get(object, key));
+}
+
+const char *text_of(const json_t *object, const char *key) {
     const char *text = json_string_value(json_object_get(object, key));
     return text ? text : "";
 }
@@ -18,7 +22,7 @@ static double channel(const json_t *colour, size_t index) {
     return json_number_value(json_array_get(colour, index));
 }
 
-static bool is_zero(const json_t *colour) {
+bool is_zero(const json_t *colour) {
     return channel(colour, 0) == 0 && channel(colour, 1) == 0 && channel(colour, 2) == 0;
 }
 
