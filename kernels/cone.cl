@@ -69,13 +69,15 @@ crossing intersect_capped(ray r, chord k, interval height, ints rising, ints wid
     return c;
 }
 
-// An open one is its side alone: the first of the two crossings that is ahead, within the height and seen.
-crossing intersect_open(ray r, chord k, interval height, uint flags) {
+// An open one is its side alone: the first of the two crossings that is ahead, within the height and seen. Of a steep ray's
+// two, one is beyond the tip: the one that comes first if the cone widens, however near the tip both are.
+crossing intersect_open(ray r, chord k, interval height, ints widening, uint flags) {
     const ints front = mask(!HAS_ONE_SIDED || !(flags & FLAG_FRONT_HIDDEN));
     const ints back = mask(!HAS_ONE_SIDED || !(flags & FLAG_BACK_HIDDEN));
-    const ints first =
-        (k.steep ? back : front) & is_ahead(r, k.first) & (k.first >= height.near) & (k.first <= height.far);
-    const ints last = (k.steep ? front : back) & is_ahead(r, k.last) & (k.last >= height.near) & (k.last <= height.far);
+    const ints first = (k.steep ? back & !widening : front) & is_ahead(r, k.first) & (k.first >= height.near) &
+                       (k.first <= height.far);
+    const ints last =
+        (k.steep ? front & widening : back) & is_ahead(r, k.last) & (k.last >= height.near) & (k.last <= height.far);
     crossing c;
     c.found = k.found & (first | last);
     c.distance = first ? k.first : k.last;
@@ -95,7 +97,7 @@ crossing intersect_cone(ray r, frustum f, uint flags) {
     height.far = max(base, top);
     if (flags & FLAG_CAPPED)
         return intersect_capped(r, k, height, d.z > splat(0), change > splat(0), flags);
-    return intersect_open(r, k, height, flags);
+    return intersect_open(r, k, height, change > splat(0), flags);
 }
 
 // The point is put back onto the part that was hit, in the cone's frame. Errors: the frame's three products and sums, the

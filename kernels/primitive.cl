@@ -29,11 +29,11 @@ vectors gather_corner(const scene *s, global const real4 *from, ints index, int 
     return gather((global const real *)from, at, sizeof(real4) / sizeof(real)).xyz;
 }
 
-surface surface_of_triangles(const scene *s, const hit *h, ints index) {
+surface surface_of_triangles(const scene *s, const ray *r, const hit *h, ints index) {
     vectors v[3];
     for (int i = 0; i < 3; i++)
         v[i] = gather_corner(s, s->vertices, index, i, mask(true));
-    return surface_triangle(v[0], v[1], v[2], h->u, h->v);
+    return surface_triangle(*r, v[0], v[1], v[2], h->u, h->v);
 }
 #endif
 
@@ -141,7 +141,7 @@ INLINE surface find_own_surface(const scene *s, const ray *r, const hit *h, ints
 #if HAS_TRIANGLE
     m = LANES_OF(KIND_TRIANGLE);
     if (any_ray(m))
-        f = choose_surface(m, surface_of_triangles(s, h, INDEX_OF(m)), f);
+        f = choose_surface(m, surface_of_triangles(s, r, h, INDEX_OF(m)), f);
 #endif
 #if HAS_POLYGON
     m = LANES_OF(KIND_POLYGON);

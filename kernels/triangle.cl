@@ -8,17 +8,17 @@ ints is_left(vectors p, vectors q, reals e) {
     return (e > splat(0)) | ((e == splat(0)) & ((p.y > q.y) | ((p.y == q.y) & (q.x > p.x))));
 }
 
-// The normal of a counter-clockwise triangle. Edges are divided by their largest component first: their product must not
-// leave the range of numbers.
+// The normal of a counter-clockwise triangle, of some length. Edges are divided by their largest component first: their
+// product must not leave the range of numbers.
 vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
     const vectors a = sub(v1, v0), b = sub(v2, v0);
-    return normalise(cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b)))));
+    return cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b))));
 }
 
 // Whether the triangle's plane is ahead of the origin, by the corner that tells best. The distance, in which the corners'
 // distances cancel, cannot say so for a ray that starts on a triangle far larger than the distance.
 ints is_before(vectors origin, vectors direction, vectors v0, vectors v1, vectors v2) {
-    const vectors n = triangle_normal(v0, v1, v2), size = absolute(n);
+    const vectors n = normalise(triangle_normal(v0, v1, v2)), size = absolute(n);
     const vectors a = sub(v0, origin), b = sub(v1, origin), c = sub(v2, origin);
     const reals of_a = dot3(size, absolute(a)), of_b = dot3(size, absolute(b)), of_c = dot3(size, absolute(c));
     const vectors best = choose((of_a <= of_b) & (of_a <= of_c), a, choose(of_b <= of_c, b, c));
@@ -59,13 +59,14 @@ vectors interpolate(vectors a, vectors b, vectors c, reals u, reals v) {
                         fma(w, a.z, fma(u, b.z, v * c.z)));
 }
 
-// The point from the weights of the corners, which is nearer to the triangle than the ray's (pbrt 4th ed., 6.8.5).
-surface surface_triangle(vectors v0, vectors v1, vectors v2, reals u, reals v) {
+// The point from the weights of the corners, which is nearer to the triangle than the ray's (pbrt 4th ed., 6.8.5). Rounding
+// may leave no area to corners that have some: then it is seen as facing the ray.
+surface surface_triangle(ray r, vectors v0, vectors v1, vectors v2, reals u, reals v) {
     surface s;
     const reals w = splat(1) - u - v;
     s.point = interpolate(v0, v1, v2, u, v);
     s.error = add(add(absolute(scale(v0, w)), absolute(scale(v1, u))), absolute(scale(v2, v)));
     s.error = scale(s.error, splat(GAMMA(9))); // 7 as in pbrt, 2 more for w
-    s.normal = s.shading = triangle_normal(v0, v1, v2);
+    s.normal = s.shading = normalise_or(triangle_normal(v0, v1, v2), negate(r.direction));
     return s;
 }

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import LEVELS, WAYS, dot, leave, members
+from shapes import CONE, LEVELS, TRIANGLE, WAYS, Shapes, dot, leave, members
 from targets import FLAT, KINDS, Targets, aim, make_targets
 
 EXITS = 4
@@ -54,6 +54,25 @@ def ask_many(kind: str, level: str, count: int, seed: int) -> None:
         asked, batch, failed = asked + some, batch + 1, failed + len(failures)
     assert failed <= ALLOWED.get(kind, 0) * asked
     print(f"{kind}, {level}: {failed} of {asked}, ≤ {(3 + 2 * failed) / asked:.1e} at 95 %")
+
+
+def test_corners_that_rounding_puts_in_line_have_a_normal() -> None:
+    """The full suite found this one: what rounding leaves no area to is seen as facing the ray."""
+    corners = np.array([[-34.97986, 46636456, -18024806], [-35.02362, 46636456, -18024806], [-34.996513, 46636456, -18024806]])
+    targets = Targets(Shapes(TRIANGLE, "standard", points=corners[None]))
+    ray = targets.ray(np.array([[-365.08899, 46636436, -18024800]]), np.array([[0.99800533, 0.06046742, -0.01814022]]))
+    surface = targets.surface(ray, (np.float32([330.75665]), np.int32([0]), *np.float32([[0.0146], [0.6959]])), np.array([0]))
+    assert (surface.normal == -ray.direction).all() and (surface.shading == -ray.direction).all()
+
+
+def test_rays_that_leave_a_cone_beyond_its_tip() -> None:
+    """The full suite found this one: a ray along the side passes the tip, and next to it meets the other half of the double cone."""
+    row = [[-40.98034668, 141.8491364, -229.3526611, 32.57387924], [0, 0.8548909426, -0.5188077688, 36.98044586],
+           [-0.9082071781, -0.217131868, -0.3577896953, -0.8808405995], [-0.4185208678, 0.4711849093, 0.7764180899, 0]]  # fmt: skip
+    middle = np.array([row[0][:3]])
+    targets = Targets(Shapes(CONE, "standard", np.array(row).reshape(1, 16), middle - 60, middle + 60))
+    ray = targets.ray(np.array([[-59.421906, 156.87207, -217.28188]]), np.array([[0.1735703, 0.14064263, 0.97472715]]))
+    assert not targets.meet(ray, np.array([0]))[0].any()
 
 
 @pytest.mark.parametrize("kind", KINDS)
