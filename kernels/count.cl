@@ -6,6 +6,9 @@
 #ifndef TRAVERSALS // 2: every traversal twice, so that the difference is its time
 #define TRAVERSALS 1
 #endif
+#ifndef OVERLOOKS // 0: pixels whose rays can meet nothing send them all the same
+#define OVERLOOKS 1
+#endif
 
 #define COUNT_LONE 0     // one ray's ways
 #define COUNT_NODES 1    // whose children one ray asks

@@ -16,7 +16,9 @@
 
 // Where each ray is alone, the lights of its hit lie side by side, and so do its feelers to them: a fan, which travels as a
 // packet.
+#ifndef FANS
 #define FANS (RAYS == 1 && LANES > 1 && HAS_LIGHTS && !HAS_FILTERED_SHADOWS)
+#endif
 
 #ifndef INLINE // empty where a checker does not know what inlining leaves
 #define INLINE __attribute__((always_inline))
