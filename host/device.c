@@ -112,15 +112,6 @@ static feeler_device *new_device(feeler_error *error) {
     return device;
 }
 
-/* On PoCL out of order, where a launch begins while the last groups of the one before still run. Intel's runtime for CPUs
- * (2026.2) says that it can, too, but then crashes or makes other pictures. */
-static cl_command_queue_properties queue_order(const device_entry *entry) {
-    cl_command_queue_properties can = 0;
-    if (contains(entry->platform_name, "Portable Computing Language"))
-        (void)clGetDeviceInfo(entry->id, CL_DEVICE_QUEUE_PROPERTIES, sizeof can, &can, NULL);
-    return can & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE;
-}
-
 feeler_device *feeler_device_open(const char *select, feeler_error *error) {
     device_list list;
     size_t chosen;
@@ -143,8 +134,11 @@ feeler_device *feeler_device_open(const char *select, feeler_error *error) {
         fail_cl(error, "clCreateContext", status);
         goto failed;
     }
-    device->queue = clCreateCommandQueue(device->context, device->id,
-                                         CL_QUEUE_PROFILING_ENABLE | queue_order(&list.entries[chosen]), &status);
+    /* Out of order where that is known: a launch begins while the last groups of the one before still run. */
+    cl_command_queue_properties can = 0, wanted = CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE;
+    (void)clGetDeviceInfo(device->id, CL_DEVICE_QUEUE_PROPERTIES, sizeof can, &can, NULL);
+    device->queue =
+        clCreateCommandQueue(device->context, device->id, CL_QUEUE_PROFILING_ENABLE | (can & wanted), &status);
     if (!device->queue) {
         fail_cl(error, "clCreateCommandQueue", status);
         goto failed;
