@@ -173,7 +173,11 @@ def test_a_light_on_the_surface_makes_no_nan() -> None:
 @pytest.mark.parametrize("sides", ["both", "front", "back"])
 def test_a_side_that_is_not_there(sides: str) -> None:
     """A green pane whose front is above: whichever ray comes from a side that is not there passes it."""
-    pane = {"disc": {"centre": [0, 0, 2], "normal": [0, 0, 1], "radius": 1}, "material": {"emission": [0, 1, 0]}, "sides": sides}
+    pane = {
+        "disc": {"centre": [0, 0, 2], "normal": [0, 0, 1], "radius": 1},
+        "material": {"emission": [0, 1, 0]},
+        "sides": sides,
+    }
     green, blue = [0, 1, 0], [0, 0, 1]
     above, below = (green if sides in ("both", side) else blue for side in ("front", "back"))
 
