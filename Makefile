@@ -34,7 +34,7 @@ KERNELS := $(addprefix kernels/,types.h features.cl lanes.cl numerics.cl ray.cl 
 MAIN_SOURCES := host/main.c $(wildcard host/cmd_*.c) host/options.c host/progress.c
 LIB_SOURCES := $(filter-out $(MAIN_SOURCES),$(wildcard host/*.c))
 LIB_OBJECTS := $(LIB_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/kernel_source.o
-MAIN_OBJECTS := $(MAIN_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/clock.o
+MAIN_OBJECTS := $(MAIN_SOURCES:host/%.c=$(BUILD)/%.o) $(BUILD)/clock.o $(BUILD)/edits.o
 
 .PHONY: all
 all: $(BUILD)/feeler $(BUILD)/libfeeler-image.so $(BUILD)/feeler_cdef.h

@@ -59,8 +59,8 @@ static int check_kept(void) {
 /* Tells, before any time is spent, what cannot be written. */
 static int check_outputs(plan *p) {
     bool json = p->json && strcmp(p->json, "-") == 0, csv = p->csv && strcmp(p->csv, "-") == 0;
-    if (json && csv) {
-        report_usage("bench", "--json and --csv cannot both be stdout");
+    if (p->json && p->csv && strcmp(p->json, p->csv) == 0) {
+        report_usage("bench", "--json and --csv cannot both be %s", json ? "stdout" : p->json);
         return EXIT_USAGE;
     }
     p->table = !p->quiet && !json && !csv;

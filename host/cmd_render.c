@@ -54,7 +54,7 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
          0},
         {"device", 0, OPTION_TEXT, &j->select, "SELECT", "the first CPU",
          "number or part of a name, see 'feeler devices'", 0, 0},
-        {"work-group", 0, OPTION_SIZE, s->work_group, "XxY", "chosen", "work-items of a work-group", 1, 65536},
+        {"work-group", 0, OPTION_SIZE, s->work_group, "XxY", "kept or chosen", "work-items of a work-group", 1, 65536},
         {"pixels", 0, OPTION_SIZE, s->pixels, "XxY", "1x1", "pixels of a work-item, traced side by side", 1, 16},
         {"stats", 0, OPTION_TEXT, &j->stats, "FILE.json", NULL, "write rays, times and settings as JSON; - is stdout",
          0, 0},
@@ -86,6 +86,10 @@ static options_result parse(job *j, int argc, char **argv, int *scene_count) {
 /* Tells, before any time is spent, what cannot end well. Returns an exit code. */
 static int check_names(const job *j, int count, char **scenes) {
     const struct { const char *option, *pattern; } outputs[] = {{"out", j->out}, {"stats", j->stats}};
+    if (j->stats && strcmp(j->out, j->stats) == 0) {
+        report_usage("render", "--out and --stats cannot both be %s", j->out);
+        return EXIT_USAGE;
+    }
     for (size_t i = 0; i < 2 && count > 1; i++)
         if (outputs[i].pattern && !strstr(outputs[i].pattern, "{name}")) {
             report_usage("render", "--%s: with several scenes '%s' must contain {name}", outputs[i].option,

@@ -1,6 +1,8 @@
 /* keys.c - every key of a scene: its type, its target, its range, its default. docs/scene-format.md follows this file. */
 #include "schema.h"
 
+#include <math.h>
+
 #define NODE(name, slot)                                                                                               \
     { name, KEY_NODE, slot, 0, 0, {0}, 0, NULL }
 #define NEEDED_NODE(name, slot)                                                                                        \
@@ -136,4 +138,4 @@ const schema_key transform_keys[] = {NODE("translate", TRANSFORM_TRANSLATE), NOD
                                      NODE("matrix", TRANSFORM_MATRIX),       END};
 
 const schema_key rotation_keys[] = {DIRECTION("axis", rotation, axis, KEY_REQUIRED, {0, 0, 0}),
-                                    NUMBER("angle", rotation, angle, -1e6, 1e6, KEY_REQUIRED, 0), END};
+                                    NUMBER("angle", rotation, angle, -INFINITY, INFINITY, KEY_REQUIRED, 0), END};

@@ -76,6 +76,8 @@ int clear_eye_media(const job *j, feeler_error *error) {
         none[i] = -1;
     size_t size = (size_t)j->needs.media * sizeof *none;
     cl_int status = clEnqueueWriteBuffer(j->device->queue, j->upload.eye_media, CL_TRUE, 0, size, none, 0, NULL, NULL);
+    if (status == CL_SUCCESS)
+        status = clFinish(j->device->queue); /* as upload_scene does */
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueWriteBuffer", status);
 }
 

@@ -2,61 +2,30 @@
 #include "options.h"
 
 #include "cmd.h"
+#include "edits.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- suggestions ---- */
 
-enum { LONGEST_WORD = 40 };
-
-static int least(int a, int b) {
-    return a < b ? a : b;
-}
-
-/* Number of letters to add, drop, change or swap with their neighbour. */
-static int distance(const char *a, const char *b) {
-    int rows[3][LONGEST_WORD + 1];
-    int *before = rows[0], *above = rows[1], *row = rows[2];
-    int length = (int)strlen(b);
-    for (int j = 0; j <= length; j++)
-        above[j] = before[j] = j;
-    for (int i = 1; a[i - 1]; i++) {
-        row[0] = i;
-        for (int j = 1; j <= length; j++) {
-            row[j] = least(least(above[j], row[j - 1]) + 1, above[j - 1] + (a[i - 1] != b[j - 1]));
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                row[j] = least(row[j], before[j - 2] + 1);
-        }
-        int *oldest = before;
-        before = above;
-        above = row;
-        row = oldest;
-    }
-    return above[length];
-}
-
 const char *options_nearest(const char *typed, const char *const *words) {
     const char *nearest = NULL;
-    int smallest = INT_MAX;
-    size_t length = strlen(typed);
-    if (length > LONGEST_WORD)
-        return NULL;
+    size_t smallest = SIZE_MAX, length = strlen(typed);
     for (; *words; words++) {
-        if (strlen(*words) > LONGEST_WORD)
-            continue;
         bool begins = length >= 3 && strncmp(typed, *words, length) == 0;
-        int d = begins ? 0 : distance(typed, *words);
-        if (d < smallest) {
-            smallest = d;
+        size_t edits = begins ? 0 : edits_between(typed, *words);
+        if (edits < smallest) {
+            smallest = edits;
             nearest = *words;
         }
     }
-    return smallest <= (length < 4 ? 1 : (int)length / 3) ? nearest : NULL;
+    return smallest <= (length < 4 ? 1 : length / 3) ? nearest : NULL;
 }
 
 /* ---- help ---- */

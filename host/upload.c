@@ -74,9 +74,15 @@ int upload_scene(upload *u, packed *p, const view *view, int media, const feeler
         goto failed;
     cl_int status;
     u->eye_media = clCreateBuffer(device->context, CL_MEM_READ_WRITE, (size_t)media * sizeof(cl_int), NULL, &status);
+    if (status != CL_SUCCESS) {
+        fail_cl(error, "clCreateBuffer", status);
+        goto failed;
+    }
+    /* A blocking write has taken what it writes (OpenCL 1.2, 5.2.2); in a queue without order a launch may still overtake it. */
+    status = clFinish(device->queue);
     if (status == CL_SUCCESS)
         return 0;
-    fail_cl(error, "clCreateBuffer", status);
+    fail_cl(error, "clFinish", status);
 failed:
     upload_free(u);
     return -1;

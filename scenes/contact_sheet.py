@@ -23,21 +23,21 @@ Picture = NDArray[np.float32]
 WIDTH, HEIGHT, GAP, CAPTION = 320, 240, 8, 24
 PAPER, INK = "#1b1d20", "#c9ced6"
 
-# The first and the last are twice as wide and high as the others. Two names that share a cell are shown half and half.
-CELLS = [
-    (("first",), "first: the demo picture"),
-    (("still-life",), "still-life: every term of the model"),
-    (("water",), "water: total internal reflection"),
-    (("night",), "night: emission, diffuse transmission"),
-    (("mirror-room",), "mirror-room: depth 48"),
-    (("figure-16-1", "figure-16-1-shadow"), "figure-16-1: without | with shadow"),
-    (("sphereflake",), "sphereflake: level 4, generated"),
-    (("rings",), "rings: Borromean chains, generated"),
-    (("seashell",), "seashell: a mesh, generated"),
-    (("forest",), "forest: instances of groves of two trees"),
-]
-PLACES = [(0, 0), (0, 2), (0, 3), (1, 2), (1, 3), (2, 0), (2, 1), (3, 0), (3, 1), (2, 2)]
-LARGE = [(0, 0), (2, 2)]
+# What stands at (row, column), some twice as wide and high as the others. Two names in a cell are shown half and half.
+CELLS = {
+    (0, 0): (("first",), "first: the demo picture"),
+    (0, 2): (("still-life",), "still-life: every term of the model"),
+    (0, 3): (("water",), "water: total internal reflection"),
+    (1, 2): (("glass-of-water",), "glass-of-water: media that touch and overlap"),
+    (2, 0): (("night",), "night: emission, diffuse transmission"),
+    (2, 1): (("mirror-room",), "mirror-room: depth 48"),
+    (3, 0): (("forest",), "forest: instances of groves of two trees"),
+    (3, 2): (("figure-16-1", "figure-16-1-shadow"), "figure-16-1: without | with shadow"),
+    (3, 3): (("sphereflake",), "sphereflake: level 4, generated"),
+    (4, 2): (("rings",), "rings: Borromean chains, generated"),
+    (4, 3): (("seashell",), "seashell: a mesh, generated"),
+}
+LARGE = [(0, 0), (1, 2), (3, 0)]
 
 
 def read(path: Path) -> Picture:
@@ -65,9 +65,9 @@ def main() -> None:
         sys.exit("usage: contact_sheet.py OUT.png FOLDER")
     out, folder = Path(sys.argv[1]), Path(sys.argv[2])
     cell_width, cell_height = WIDTH + GAP, HEIGHT + CAPTION + GAP
-    width, height = 4 * cell_width + GAP, 4 * cell_height + GAP
+    width, height = 4 * cell_width + GAP, 5 * cell_height + GAP
     figure = plt.figure(figsize=(width / 100, height / 100), dpi=100, facecolor=PAPER)
-    for (names, caption), (row, column) in zip(CELLS, PLACES, strict=True):
+    for (row, column), (names, caption) in CELLS.items():
         pictures = [read(folder / f"{name}.png") for name in names]
         picture = side_by_side(*pictures) if len(pictures) == 2 else pictures[0]
         if (row, column) not in LARGE:

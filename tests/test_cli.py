@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from places import ROOT
 from spheres import write_spheres
 
 COMMANDS = ["render", "info", "pixel", "compare", "bench", "chart", "devices", "doctor"]
@@ -70,12 +71,37 @@ def test_render_help_names_every_option(cli: Any) -> None:
     assert "default: " in text
 
 
+def section_of(page: str, command: str) -> str:
+    """What a manual has about a command's options."""
+    heading = rf"## feeler {command}\n" if page.endswith(".md") else rf"\.SH OPTIONS OF {command.upper()}\n"
+    text = (ROOT / "docs" / page).read_text().replace("\\-", "-")
+    (section,) = re.findall(rf"^{heading}(.*?)^(?:## |\.SH )", text, re.MULTILINE | re.DOTALL)
+    return str(section)
+
+
 @pytest.mark.parametrize("page", ["command-line.md", "feeler.1"])
-def test_pages_name_every_option(cli: Any, root: Path, page: str) -> None:
-    text = (root / "docs" / page).read_text().replace("\\-", "-")
+def test_pages_name_every_option(cli: Any, page: str) -> None:
     for command in COMMANDS:
-        for option in re.findall(r"^ .*(--[a-z-]+)", cli(command, "--help").stdout, re.MULTILINE):
-            assert option in text, (command, option)
+        options = re.findall(r"^  (?:-\w, |    )--(\S+)", cli(command, "--help").stdout, re.MULTILINE)
+        assert options.pop() == "help"
+        for option in options:
+            assert f"--{option}" in section_of(page, command), (command, option)
+
+
+def test_defaults_in_the_document_are_those_of_the_help(cli: Any) -> None:
+    compared = 0
+    for command in COMMANDS:
+        said = cli(command, "--help").stdout
+        for line in section_of("command-line.md", command).splitlines():
+            cells = [cell.strip().replace("`", "") for cell in line.split("|")[1:-1]]
+            option = re.fullmatch(r"(?:-\w, )?--([a-z]\S*)", cells[0]) if cells else None
+            if not option:
+                continue
+            (row,) = re.findall(rf"^  (?:-\w, |    )--{option[1]}\b(?:.*\n {{26}})?.*$", said, re.MULTILINE)
+            told = re.search(r"\(default: (?:the )?(.*)\)$", row)
+            compared += told is not None
+            assert cells[2].removeprefix("the ").startswith(told[1] if told else ("off", "none", "required")), row
+    assert compared > 25
 
 
 USAGE_ERRORS = {
@@ -112,6 +138,7 @@ USAGE_ERRORS = {
         ["render", "spheres.nff", "b.nff", "-o", "{name}.png", "--stats", "s.json"],
         "--stats: with several",
     ),
+    "one file for two": (["render", "spheres.nff", "-o", "a.png", "--stats", "a.png"], "cannot both be a.png"),
     "same names": (["render", "x/a.nff", "y/a.nff", "-o", "{name}.png"], "same name"),
     "chart of nothing": (["chart", "--quick"], "SCENE… is missing"),
     "chart samples": (["chart", "spheres.nff", "--truth-samples", "1"], "a whole number from 2 to 4096"),

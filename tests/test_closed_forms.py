@@ -170,6 +170,31 @@ def test_a_light_on_the_surface_makes_no_nan() -> None:
             assert (pixels >= 0).all()
 
 
+@pytest.mark.parametrize("sides", ["both", "front", "back"])
+def test_a_side_that_is_not_there(sides: str) -> None:
+    """A green pane whose front is above: whichever ray comes from a side that is not there passes it."""
+    pane = {
+        "disc": {"centre": [0, 0, 2], "normal": [0, 0, 1], "radius": 1},
+        "material": {"emission": [0, 1, 0]},
+        "sides": sides,
+    }
+    green, blue = [0, 1, 0], [0, 0, 1]
+    above, below = (green if sides in ("both", side) else blue for side in ("front", "back"))
+
+    def look_down(height: float, *others: dict[str, Any], **more: Any) -> Any:
+        scene = {"camera": camera((0, 0, height), (0, 0, -9), fov=1), "image": {"size": SIZE}, "background": blue}
+        return render({**scene, "objects": [pane, *others], **more}).pixels[15, 20, :3].tolist()
+
+    def layer(z: float, **material: Any) -> dict[str, Any]:
+        return {"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": 1}, "material": material}
+
+    assert look_down(5) == above
+    assert look_down(5, layer(3, transmission=1)) == above
+    assert look_down(1, layer(0, reflection=1)) == below
+    lit = look_down(1, layer(0, diffuse=[1, 0, 0]), lights=[{"point": [0, 0, 10]}])
+    assert lit == pytest.approx([0 if below == green else 1, 0, 0], abs=1e-6)
+
+
 # ---- shadows and outlines
 
 

@@ -79,6 +79,22 @@ def test_a_queue_out_of_order(scene: feeler.Scene, queue: Any) -> None:
             assert same_bits(scene.render(queue=loose, tile=64).pixels, expected)
 
 
+MATTE = {"image": {"size": [32, 24]}, "lights": [{"point": [3, 4, 5]}], "objects": [{"sphere": {"radius": 3}}]}
+
+
+@pytest.mark.parametrize("description", [everything(), MATTE], ids=["everything", "matte"])
+def test_writes_that_a_launch_could_overtake(cli: Any, tmp_path: Path, description: dict[str, Any]) -> None:
+    """Nothing is launched before the scene is on the device, though a blocking write need not wait for that."""
+    library = tmp_path / "late_driver.so"
+    compiler = [*shlex.split(os.environ.get("CC", "gcc")), "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
+    subprocess.run([*compiler, "-o", library, ROOT / "tests" / "late_driver.c", "-ldl"], check=True)
+    (tmp_path / "scene.yaml").write_text(json.dumps(description))
+    for name, environment in (("usual", {}), ("late", {"LD_PRELOAD": str(library)})):
+        done = cli("render", "scene.yaml", "-o", f"{name}.exr", env={**os.environ, **environment})
+        assert done.returncode == 0, done.stderr
+    assert same_bits(read_exr(tmp_path / "late.exr")[0], read_exr(tmp_path / "usual.exr")[0])
+
+
 @pytest.mark.parametrize("profiling", [False, True])
 def test_times_of_a_queue(scene: feeler.Scene, queue: Any, profiling: bool) -> None:
     import pyopencl as cl

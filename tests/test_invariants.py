@@ -1,8 +1,9 @@
-"""What must never change a picture's bits: work groups, tiles, regions, lanes, specialisation, the tree, scale."""
+"""What must never change a picture's bits: work groups, tiles, regions, threads, lanes, specialisation, the tree, scale."""
 
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -129,9 +130,11 @@ def test_scaled_in_double(scene: feeler.Scene) -> None:
         assert same_bits(feeler.Scene(everything(2.0**exponent)).render(level="reference").pixels, expected)
 
 
-def test_the_program_gives_the_same_bits(cli: Any, tmp_path: Path, picture: Any) -> None:
+@pytest.mark.parametrize("threads", [1, 3])
+def test_the_program_gives_the_same_bits(cli: Any, tmp_path: Path, picture: Any, threads: int) -> None:
     (tmp_path / "scene.yaml").write_text(json.dumps(everything()))
-    done = cli("render", "scene.yaml", "-o", "out.exr", "--stats", "s.json")
+    environment = {**os.environ, "POCL_MAX_PTHREAD_COUNT": str(threads)}
+    done = cli("render", "scene.yaml", "-o", "out.exr", env=environment)
     assert done.returncode == 0, done.stderr
     pixels, _ = read_exr(tmp_path / "out.exr")
     assert same_bits(pixels, np.ascontiguousarray(picture[..., :3]))

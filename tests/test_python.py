@@ -64,6 +64,8 @@ def test_a_dict_with_numpy_equals_the_yaml_file(description: dict[str, Any], tmp
     path = tmp_path / "scene.yaml"
     path.write_text(json.dumps(description))  # JSON is YAML
     from_file = feeler.load(path).render()
+    assert repr(feeler.load(path)) == f"<feeler.Scene {path}>"
+    assert repr(feeler.Scene(description)) == "<feeler.Scene of a dict>"
     from_lists = feeler.Scene(description).render()
     with_arrays = describe({"vertices": VERTICES, "triangles": TRIANGLES})
     with_arrays["camera"]["eye"] = np.array([0.3, 0.7, 6])

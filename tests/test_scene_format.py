@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ import pytest
 from describe import describe, refusal
 from hypothesis import given
 from hypothesis import strategies as st
+
+import feeler
 
 Vector = list[float]
 
@@ -84,7 +87,11 @@ def test_steps_apply_in_order(tmp_path: Path) -> None:
     assert moved["centre"] == [[1, 2, 1]] and moved["radius"] == 2
 
 
-@pytest.mark.parametrize("step", ["rotate_x: 180", "rotate: {axis: [3, 0, 0], angle: -540}", "scale: [1, -1, -1]"])
+@pytest.mark.parametrize(
+    "step",
+    ["rotate_x: 180", "rotate: {axis: [3, 0, 0], angle: -540}", "rotate: {axis: [1, 0, 0], angle: 3600000180}",
+     "scale: [1, -1, -1]"],
+)  # fmt: skip
 def test_half_a_turn_is_exact(tmp_path: Path, step: str) -> None:
     assert shape(tmp_path, "sphere: {centre: [1, 2, 3], radius: 1}", f"{{{step}}}")["centre"] == [[1, -2, -3]]
 
@@ -245,3 +252,53 @@ def test_long_text_is_no_list(tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text("objects: |\n" + lines)
     assert refusal(path) == "scene.yaml:1:10: expected a list of objects, not a text"
+
+
+# ---- docs/scene-format.md ----
+
+# A map with an unknown key, by the place in the document where its keys are: the message names all that are known.
+MAPS: dict[str, Any] = {
+    "The scene": {"?": 0},
+    "camera": {"camera": {"?": 0}},
+    "image": {"image": {"?": 0}},
+    "lights": {"lights": [{"?": 0}]},
+    "materials": {"materials": {"m": {"?": 0}}},
+    "transform": {"objects": [{"sphere": {"radius": 1}, "transform": {"?": 0}}]},
+    "objects": {"objects": [{"?": 0}]},
+}  # fmt: skip
+
+
+def known_keys(scene: dict[str, Any]) -> set[str]:
+    with pytest.raises(feeler.Error, match="known: ") as caught:
+        feeler.Scene(scene)
+    return set(re.findall(r"\w+", caught.value.text.partition("known: ")[2]))
+
+
+def table_rows(document: str, heading: str) -> list[list[str]]:
+    """The rows of a section's tables, heads and all, as lists of cells."""
+    section = re.split(r"^#+ ", document, flags=re.MULTILINE)
+    (text,) = [part for part in section if part.startswith(f"{heading}\n")]
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines() if line.startswith("|")]
+
+
+def names(cell: str) -> list[str]:
+    return re.findall(r"`(\w+)`", cell)
+
+
+def test_every_key_is_documented_and_no_other(root: Path) -> None:
+    document = (root / "docs" / "scene-format.md").read_text()
+    rows = {heading: table_rows(document, heading) for heading in [*MAPS, "groups and instances"]}
+    shapes: dict[str, set[str]] = {}
+    shape = ""
+    head = [row[0] for row in rows["objects"]].index("shape")
+    for first, second, *_ in rows["objects"][head + 2 :]:
+        shape = names(first)[0] if first else shape
+        shapes.setdefault(shape, set()).update(names(second))
+    for heading, scene in MAPS.items():
+        documented = {name for row in rows[heading] for name in names(row[0])}
+        if heading == "objects":
+            documented.update(name for row in rows["groups and instances"] for name in names(row[0]))
+        assert documented == known_keys(scene), heading
+    assert len(shapes) == 9
+    for shape, keys in shapes.items():
+        assert keys == known_keys({"objects": [{shape: {"?": 0}}]}), shape

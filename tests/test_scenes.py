@@ -76,6 +76,8 @@ def change(path: Path, folder: Path, old: str, new: str, count: int = -1) -> fee
 def test_every_scene_has_its_claims(paths: dict[str, Path]) -> None:
     assert set(paths) == set(CLAIMS)
     assert len(paths) >= 8
+    sheet = (ROOT / "scenes" / "contact_sheet.py").read_text()
+    assert all(f'"{name}"' in sheet for name in paths)
 
 
 @pytest.mark.parametrize("name", CLAIMS)

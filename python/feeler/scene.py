@@ -23,7 +23,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
 
     A mesh alone gets a camera that frames it, a light and a material. Relative names in a scene are relative to it.
     """
-    return Scene._of(call(lib.feeler_scene_load, to_bytes(path)))
+    return Scene._of(call(lib.feeler_scene_load, to_bytes(path)), os.fspath(path))
 
 
 class Scene:
@@ -39,17 +39,23 @@ class Scene:
             directory: what relative file names are relative to; by default the working directory.
         """
         node = build_node(description)
-        self._take(call(lib.feeler_scene_from_node, node, ffi.NULL if directory is None else to_bytes(directory)))
+        self._take(
+            call(lib.feeler_scene_from_node, node, ffi.NULL if directory is None else to_bytes(directory)), "of a dict"
+        )
 
     @classmethod
-    def _of(cls, pointer: Any) -> Scene:
+    def _of(cls, pointer: Any, origin: str) -> Scene:
         scene = cls.__new__(cls)
-        scene._take(pointer)
+        scene._take(pointer, origin)
         return scene
 
-    def _take(self, pointer: Any) -> None:
+    def _take(self, pointer: Any, origin: str) -> None:
         self._pointer = ffi.gc(pointer, lib.feeler_scene_free)
+        self._origin = origin
         self._lock = threading.RLock()
+
+    def __repr__(self) -> str:
+        return f"<feeler.Scene {self._origin}>"
 
     @property
     def warnings(self) -> list[str]:
