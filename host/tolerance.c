@@ -4,7 +4,6 @@
  * one does: a region is the same part of the whole, so they are measured before the whole is rendered. */
 #include "clock.h"
 #include "difference.h"
-#include "job.h"
 #include "truth.h"
 
 #include <math.h>
@@ -34,6 +33,7 @@ typedef struct search {
     feeler_settings settings; /* resolved */
     bool any_level, any_samples, any_cutoff;
     double tolerance;
+    resident resident; /* what both render */
     truth proxy, tiles;
     bool whole;        /* the proxy is the picture itself */
     bool draft_spared; /* to compile its kernels would take longer than the picture */
@@ -209,13 +209,28 @@ static trial *next_dearer(search *s) {
     return tried_there(s, w) || s->count == MOST_TRIALS ? NULL : add_trial(s, w);
 }
 
+/* Measures a way on the tiles. Where the truth's own noise may be what makes it too bad, the truth gets more samples: they cost
+ * less than a picture with more. */
+static int measure_there(search *s, trial *t, feeler_error *error) {
+    int known;
+    do {
+        if (truth_measure(&s->tiles, &t->way, &t->tiles, NULL, error))
+            return -1;
+        known = s->tiles.samples;
+        if (!good(s, t->tiles) && good(s, fmax(0, t->tiles - s->tiles.noise)) &&
+            truth_refine(&s->tiles, 0.75 * s->tiles.noise, error))
+            return -1;
+    } while (s->tiles.samples > known);
+    return 0;
+}
+
 /* Checks ways from the cheapest on. The one to render with, NULL: failed. */
 static trial *check(search *s, feeler_error *error) {
     trial *t = next_hopeful(s);
     if (!t)
         t = least_error(s, false);
     while (t) {
-        if (truth_measure(&s->tiles, &t->way, &t->tiles, NULL, error))
+        if (measure_there(s, t, error))
             return NULL;
         if (good(s, t->tiles))
             return t;
@@ -303,6 +318,7 @@ static int start_search(search *s, const feeler_scene *scene, const feeler_setti
     s->settings.lanes = asked->lanes;
     s->proxy = (truth){.scene = scene,
                        .device = device,
+                       .resident = &s->resident,
                        .progress = progress,
                        .user = user,
                        .depth = s->settings.depth > scene->depth ? s->settings.depth : scene->depth,
@@ -349,6 +365,7 @@ feeler_image *feeler_render_within(const feeler_scene *scene, const feeler_setti
     const trial *chosen =
         start_search(&s, scene, asked, device, progress, user, &own) ? NULL : choose(&s, why, sizeof why, &own);
     const double seconds = seconds_now() - start;
+    resident_free(&s.resident);
     if (chosen) {
         s.settings.level = chosen->way.level;
         s.settings.samples = chosen->way.samples;
