@@ -91,7 +91,7 @@ static const char *why_no_feeler(const story *t, const light_note *l, const ligh
         return "total reflection";
     if (!is_black(xyz(l->specular)) && l->share.w <= 0)
         return "outside the highlight";
-    return "other colours";
+    return "no common term";
 }
 
 void find_terms(const story *t, uint32_t index, vec3 *diffuse, vec3 *specular) {

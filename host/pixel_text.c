@@ -98,7 +98,9 @@ static void print_lights(const sheet *s, const json_t *lights) {
             print_light(s, light);
             continue;
         }
-        reason = json_is_object(feeler) ? "nothing of it is left here" : text_of(light, "no_feeler");
+        reason = json_array_size(json_object_get(feeler, "crossed")) ? "filtered, nothing is left"
+                 : json_is_object(feeler)                            ? "its highlight is not here"
+                                                                     : text_of(light, "no_feeler");
         const char *before = json_string_value(json_object_get(idle, reason));
         json_object_set_new(idle, reason,
                             json_sprintf("%s%s%d", before ? before : "", before ? "," : "", whole_of(light, "light")));

@@ -100,13 +100,13 @@ static const char *reason_of(const char *code) {
         {"behind", "behind the surface, where the material transmits no light"},
         {"total reflection", "behind the surface, which reflects totally"},
         {"outside the highlight", "outside the highlight, and there is no diffuse"},
-        {"coefficients", "where the material's coefficients for it are 0"},
-        {"other colours", "of colours of which the material returns nothing"},
+        {"coefficients", "of no effect, for the material's coefficients are 0"},
+        {"no common term", "of colours of which the material returns nothing"},
     };
     for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
         if (strcmp(code, reasons[i][0]) == 0)
             return reasons[i][1];
-    return "such that nothing of its light is left here";
+    return "where nothing is left of its highlight";
 }
 
 static bool is_blocked(const json_t *light) {
@@ -114,12 +114,15 @@ static bool is_blocked(const json_t *light) {
 }
 
 static void print_reason(FILE *out, const json_t *light) {
-    if (!is_blocked(light)) {
+    const json_t *feeler = json_object_get(light, "feeler");
+    if (is_blocked(light)) {
+        fputs("blocked by ", out);
+        print_object(out, json_object_get(feeler, "blocked_by"), false);
+    } else if (json_array_size(json_object_get(feeler, "crossed"))) {
+        fputs("filtered, and nothing of it is left", out);
+    } else {
         fputs(reason_of(text_of(light, "no_feeler")), out);
-        return;
     }
-    fputs("blocked by ", out);
-    print_object(out, json_object_get(json_object_get(light, "feeler"), "blocked_by"), false);
 }
 
 /* The numbers of the lights that add nothing by each reason, as in "0,2,3". NULL: out of memory. */

@@ -111,6 +111,8 @@ def test_why_is_it_black() -> None:
     text = str(told)
     assert "lights[0]  blocked by objects[2] sphere 'plaster' at 2 of 5\n" in text
     assert text.endswith("\n".join(told.words))
+    drawn = " ".join("".join(ET.fromstring(told.svg).itertext()).split())
+    assert all(" ".join(line.split()) in drawn for line in told.words)
 
 
 def test_why_is_it_nearly_black() -> None:
@@ -163,7 +165,7 @@ GLOSS = {"plane": {"normal": [0, 1, 0]}, "material": {"specular": 1}}
     ("eye", "light", "why"),
     [
         ((3, 4, 0), {"point": [10, 5, 0]}, "outside the highlight"),
-        ((3, 4, 0), {"point": [-3, 4, 0], "specular": 0}, "other colours"),
+        ((3, 4, 0), {"point": [-3, 4, 0], "specular": 0}, "no common term"),
         ((3, 4, 0), {"point": [-3, 4, 0], "colour": 0}, "black light"),
         ((0, 4, 0), {"point": [5, 0, 0]}, "grazing"),
         ((0, 4, 0), {"point": [0, 0, 0]}, "at the light"),
