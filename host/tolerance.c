@@ -23,6 +23,9 @@ static const double safety = 0.8;
 /* What the truth itself may be off by, as a share of the tolerance; that of the proxy only points the way. */
 static const double proxy_noise = 1. / 2, noise_share = 1. / 3;
 
+/* Of a picture's time, the most that level draft spares in most scenes (docs/performance.md). */
+static const double draft_saving = 0.1;
+
 typedef struct trial {
     way way;
     double proxy, seconds; /* error and time there; negative: not tried there */
@@ -36,7 +39,7 @@ typedef struct search {
     resident resident; /* what both render */
     truth proxy, tiles;
     bool whole;        /* the proxy is the picture itself */
-    bool draft_spared; /* to compile its kernels would take longer than the picture */
+    bool draft_spared; /* to compile its kernels would take longer than they may save */
     trial trials[MOST_TRIALS];
     int count;
 } search;
@@ -156,7 +159,7 @@ static int try_ways(search *s, bool sends, feeler_error *error) {
         return -1;
     if (s->any_level && best) {
         const int samples = best->way.samples;
-        s->draft_spared = expect_seconds(s, best) < s->proxy.compile;
+        s->draft_spared = draft_saving * expect_seconds(s, best) < s->proxy.compile;
         if (!s->draft_spared && !try_way(s, way_of(s, FEELER_DRAFT, samples), error))
             return -1;
     } else if (s->any_level && try_samples(s, FEELER_REFERENCE, first, &best, error)) {
@@ -349,7 +352,7 @@ static trial *find_way(search *s, feeler_error *error) {
 static const trial *choose(search *s, char *why, size_t size, feeler_error *error) {
     const trial *chosen = find_way(s, error);
     snprintf(why, size, "the cheapest of those tried whose error is below the tolerance with a fifth to spare%s",
-             s->draft_spared ? "; draft was not tried: to compile it takes longer than the picture" : "");
+             s->draft_spared ? "; draft was not tried: to compile it takes longer than it is likely to save" : "");
     if (chosen && !good(s, s->whole ? chosen->proxy : chosen->tiles) && explain(s, chosen, why, size, error))
         return NULL;
     return chosen;
