@@ -43,8 +43,8 @@ all: $(BUILD)/feeler $(BUILD)/libfeeler-image.so $(BUILD)/feeler_cdef.h
 $(BUILD)/libfeeler.so: $(LIB_OBJECTS)
 	$(CC) -shared -pthread $(LDFLAGS) -Wl,-z,nodelete -o $@ $^ $(LDLIBS)
 
-# What writes files, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
-$(BUILD)/libfeeler-image.so: $(BUILD)/image_io.o $(BUILD)/channels.o $(BUILD)/error.o
+# What reads and writes pictures, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
+$(BUILD)/libfeeler-image.so: $(addprefix $(BUILD)/,image_read.o image_write.o channels.o error.o)
 	$(CXX) -shared -pthread $(LDFLAGS) -o $@ $^ -lOpenImageIO -lOpenImageIO_Util
 
 # The program uses internal headers' functions never: only what the library exports.

@@ -74,6 +74,11 @@ static void print_table(const comparison *c) {
         printf("%s: the %s times %g\n", c->out, c->map == FEELER_MAP_FLIP ? "FLIP map" : "difference", c->factor);
 }
 
+static json_t *describe_picture(const comparison *c) {
+    return json_pack("{s:s, s:s, s:f}", "file", c->out, "map", c->map == FEELER_MAP_FLIP ? "flip" : "absolute",
+                     "factor", c->factor);
+}
+
 /* The library's figures, with the picture's name and factor. */
 static int print_json(const comparison *c, feeler_error *error) {
     char *figures = feeler_difference_json(&c->difference, error);
@@ -81,14 +86,11 @@ static int print_json(const comparison *c, feeler_error *error) {
         return -1;
     json_t *object = json_loads(figures, 0, NULL);
     feeler_free(figures);
-    if (c->picture)
-        (void)json_object_set_new(object, "picture",
-                                  json_pack("{s:s, s:s, s:f}", "file", c->out, "map",
-                                            c->map == FEELER_MAP_FLIP ? "flip" : "absolute", "factor", c->factor));
-    char *text = object ? json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) : NULL;
+    const bool whole = !c->picture || json_object_set_new(object, "picture", describe_picture(c)) == 0;
+    char *text = whole && object ? json_dumps(object, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) : NULL;
     json_decref(object);
     if (!text) {
-        report_failure("out of memory");
+        report_failure("compare: out of memory, or a name that is no UTF-8, which JSON needs");
         return -1;
     }
     (void)report_json(text);

@@ -124,7 +124,7 @@ int output_write_text(const char *path, const char *text) {
     free(temporary);
     return 0;
 failed:
-    report_failure("%s: cannot write: %s", path, strerror(errno));
+    report_failure("%s: cannot write: %s", is_stdout(path) ? "standard output" : path, strerror(errno));
     free(temporary);
     return -1;
 }

@@ -155,20 +155,23 @@ static int outputs_make_partial(outputs *o) {
  * and the trees' threads are among those who would wait. */
 typedef struct watch {
     progress progress;
+    const char *name; /* of the picture: until it is under way another may be shown */
     const char *out;
     feeler_error error;
 } watch;
 
 static int watch_step(void *user, double fraction) {
     watch *w = user;
+    if (fraction > 0)
+        w->progress.name = w->name;
     return feeler_image_load_begin(w->out, &w->error) ? 1 : progress_step(&w->progress, fraction);
 }
 
 /* Renders once more at level reference; only the figures are kept, in the image's statistics. */
 static int verify(const job *j, const feeler_scene *scene, const outputs *o, feeler_image *image) {
     feeler_error error = {0};
-    watch watch = {.out = o->out};
-    progress_begin(&watch.progress, "verify", !j->quiet);
+    watch watch = {.name = "verify", .out = o->out};
+    progress_begin(&watch.progress, watch.name, !j->quiet);
     feeler_image *reference = feeler_verify(scene, image, j->device, watch_step, &watch, &error);
     progress_end(&watch.progress);
     feeler_image_free(reference);
@@ -183,7 +186,7 @@ static int verify(const job *j, const feeler_scene *scene, const outputs *o, fee
 /* Loads and traces. Returns an exit code; EXIT_INTERRUPTED may come with an image, as may a failure to verify it. */
 static int trace(job *j, const char *path, const outputs *o, feeler_image **image) {
     feeler_error error = {0};
-    watch watch = {.out = o->out};
+    watch watch = {.name = o->name, .out = o->out};
     int code = EXIT_FAILED;
     const char *warning;
     feeler_scene *scene = feeler_scene_load(path, &error);
@@ -201,7 +204,7 @@ static int trace(job *j, const char *path, const outputs *o, feeler_image **imag
     j->hopeless = !j->device;
     if (j->hopeless)
         goto failed;
-    progress_begin(&watch.progress, o->name, !j->quiet);
+    progress_begin(&watch.progress, j->tolerance > 0 ? "tolerance" : o->name, !j->quiet);
     *image = j->tolerance > 0
                  ? feeler_render_within(scene, &j->settings, j->tolerance, j->device, watch_step, &watch, &error)
                  : feeler_render(scene, &j->settings, j->device, watch_step, &watch, &error);

@@ -48,11 +48,20 @@ typedef struct job {
     size_t done;                        /* pixels */
 } job;
 
+/* A packed scene on its device, left by a render for others of the same scene, without channels. Zeroed: nothing. */
+typedef struct resident {
+    packed packed;
+    upload upload;
+} resident;
+
+void resident_free(resident *resident);
+
 /* Renders regions of one size, each into an image of its own, with one preparation; the first is that of the settings. How
- * many were made: fewer where `progress` asked to stop, which the error then says. -1: none. */
+ * many were made: fewer where `progress` asked to stop, which the error then says. -1: none. What is resident is used where it
+ * has the precision and width of this render, and replaced where it does not; NULL: nothing is to stay. */
 int render_regions(const feeler_scene *scene, const feeler_settings *settings, const int (*regions)[4], int count,
-                   feeler_device *device, feeler_progress progress, void *user, feeler_image **images,
-                   feeler_error *error);
+                   feeler_device *device, resident *resident, feeler_progress progress, void *user,
+                   feeler_image **images, feeler_error *error);
 
 /* Bytes of the kernels' `real`. */
 size_t real_size(const job *job);

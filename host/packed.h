@@ -109,6 +109,7 @@ typedef struct packed {
     size_t object_count;
     size_t own_blocks, planes; /* blocks of the scene's own primitives; the numbers of its planes come after theirs */
     size_t blocks;
+    bool eye_inside; /* the eye may be in a medium: see eye_may_be_inside */
     double tree_seconds;
 } packed;
 

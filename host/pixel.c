@@ -1,10 +1,20 @@
 /* pixel.c - the ray tree of a pixel as JSON, from the notes that the kernels take of it. */
 #include "pixel.h"
 
-#include "vec.h"
-
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+json_t *text_json(const char *text) {
+    char plain[1024];
+    json_t *json = json_string(text);
+    if (json)
+        return json;
+    snprintf(plain, sizeof plain, "%s", text);
+    for (char *c = plain; *c; c++)
+        *c = (unsigned char)*c < 0x80 ? *c : '?';
+    return json_string(plain);
+}
 
 static int index_notes(story *t, feeler_error *error) {
     const notes *n = t->notes;
@@ -60,10 +70,10 @@ static json_t *pixel_json(const story *t, feeler_error *error) {
         json_decref(trees);
         return NULL;
     }
-    json_t *json = json_pack("{s: s, s: s, s: [i, i], s: [i, i], s: i, s: f, s: i, s: f, s: s}", "scene",
-                             t->scene->name ? t->scene->name : "", "device", t->job->device->name, "size", s->width,
-                             s->height, "pixel", s->region[0], s->region[1], "samples", s->samples, "jitter", s->jitter,
-                             "depth", s->depth, "cutoff", s->cutoff, "level", levels[s->level]);
+    json_t *json = json_pack("{s: o, s: s, s: [i, i], s: [i, i], s: i, s: f, s: i, s: f, s: s}", "scene",
+                             text_json(t->scene->name ? t->scene->name : ""), "device", t->job->device->name, "size",
+                             s->width, s->height, "pixel", s->region[0], s->region[1], "samples", s->samples, "jitter",
+                             s->jitter, "depth", s->depth, "cutoff", s->cutoff, "level", levels[s->level]);
     json_object_set_new(json, "sample", t->sample < 0 ? json_null() : json_integer(t->sample));
     json_object_set_new(json, "colour", colour_json(n->pixel));
     json_object_set_new(json, "alpha", json_real(n->pixel.w));

@@ -3,6 +3,7 @@
 #define FEELER_PIXEL_H
 
 #include "record.h"
+#include "vec.h"
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -28,6 +29,13 @@ typedef struct origin {
     size_t triangle;                     /* of the mesh, if it is one */
 } origin;
 
+static inline vec3 xyz(real4 v) {
+    return (vec3){v.x, v.y, v.z};
+}
+
+/* pixel.c: names from files may be in any encoding; what is no UTF-8 becomes question marks. */
+json_t *text_json(const char *text);
+
 /* pixel_origin.c. `met`: primitive and the one inside. -1: out of memory. */
 int find_origin(const story *story, uint4 met, origin *origin, feeler_error *error);
 json_t *origin_json(const origin *origin);
@@ -38,6 +46,8 @@ json_t *trees_json(const story *story, feeler_error *error);
 json_t *vec_json(vec3 v);
 json_t *colour_json(real4 v);
 json_t *material_json(const story *story, uint32_t index); /* its name, or "materials[2]" */
+/* What reaches the eye's side of a light's two terms; 0 where they do not contribute. */
+void find_terms(const story *story, uint32_t light, vec3 *diffuse, vec3 *specular);
 
 /* pixel_parts.c: what the pixel's colour is made of, the greatest first. NULL: out of memory. */
 json_t *parts_json(const story *story, feeler_error *error);
@@ -50,6 +60,8 @@ int whole_of(const json_t *object, const char *key);
 bool is_zero(const json_t *colour);
 /* Prints "objects[2] sphere 'red'", and where `with_place` its file, line and column. `hit`: has "object" and "material". */
 void print_object(FILE *out, const json_t *hit, bool with_place);
+/* Prints a key as words. */
+void print_key(FILE *out, const char *key);
 /* Prints three numbers, or one where they are the same. */
 void print_colour(FILE *out, const json_t *colour);
 

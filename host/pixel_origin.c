@@ -63,14 +63,14 @@ int find_origin(const story *t, uint4 met, origin *o, feeler_error *error) {
 }
 
 json_t *place_json(place place) {
-    char text[600];
+    char text[1024];
     if (!place.source)
         return json_null();
     if (place.line > 0)
-        snprintf(text, sizeof text, "%.500s:%d:%d", place.source, place.line, place.column);
+        snprintf(text, sizeof text, "%.900s:%d:%d", place.source, place.line, place.column);
     else
-        snprintf(text, sizeof text, "%.500s", place.source);
-    return json_string(text);
+        snprintf(text, sizeof text, "%.900s", place.source);
+    return text_json(text);
 }
 
 static json_t *object_json(const scene_object *object, size_t number, size_t triangle) {

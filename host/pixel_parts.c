@@ -1,8 +1,6 @@
 /* pixel_parts.c - what a pixel's colour is made of: weight times each term of each ray, added up by what they are of. */
 #include "pixel.h"
 
-#include "vec.h"
-
 #include <stdlib.h>
 
 enum { AMBIENT, EMISSION, DIFFUSE, SPECULAR, DIFFUSE_TRANSMISSION, SPECULAR_TRANSMISSION, BACKGROUND };
@@ -26,10 +24,6 @@ typedef struct parts {
     size_t count, capacity;
 } parts;
 
-static vec3 xyz(real4 v) {
-    return (vec3){v.x, v.y, v.z};
-}
-
 static double brightness(const part *p) {
     return p->colour.x + p->colour.y + p->colour.z;
 }
@@ -51,7 +45,7 @@ static int add_part(const story *t, parts *all, uint32_t ray, size_t term, size_
     part *p = &all->list[all->count];
     *p = (part){.key = {.term = term, .light = light, .kind = tags->sent.z, .level = tags->sent.w},
                 .material = tags->met.z,
-                .colour = {colour.x * weight.x / samples, colour.y * weight.y / samples, colour.z * weight.z / samples},
+                .colour = vec_scale(vec_multiply(colour, weight), 1 / samples),
                 .rays = 1};
     if (brightness(p) == 0)
         return 0;
@@ -65,17 +59,10 @@ static int add_part(const story *t, parts *all, uint32_t ray, size_t term, size_
 }
 
 static int add_light(const story *t, parts *all, uint32_t ray, uint32_t index, feeler_error *error) {
-    const light_note *l = &t->notes->lights[index];
     const uint4 at = t->notes->light_tags[index].at;
     const bool back = at.z == LIGHT_BACK;
-    const vec3 share = xyz(l->share);
-    const double cosine = fabs(l->diffuse.w), highlight = l->specular.w;
-    if (!(at.w & NOTED_COUNTS))
-        return 0;
-    const vec3 diffuse = {l->diffuse.x * cosine * share.x, l->diffuse.y * cosine * share.y,
-                          l->diffuse.z * cosine * share.z};
-    const vec3 specular = {l->specular.x * highlight * share.x, l->specular.y * highlight * share.y,
-                           l->specular.z * highlight * share.z};
+    vec3 diffuse, specular;
+    find_terms(t, index, &diffuse, &specular);
     if (add_part(t, all, ray, back ? DIFFUSE_TRANSMISSION : DIFFUSE, at.y, diffuse, error) < 0)
         return -1;
     return add_part(t, all, ray, back ? SPECULAR_TRANSMISSION : SPECULAR, at.y, specular, error);

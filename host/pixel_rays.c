@@ -1,13 +1,7 @@
 /* pixel_rays.c - rays, what they meet, and the lights and feelers there, as JSON from the notes of them. */
 #include "pixel.h"
 
-#include "vec.h"
-
 #include <stdio.h>
-
-static vec3 xyz(real4 v) {
-    return (vec3){v.x, v.y, v.z};
-}
 
 json_t *vec_json(vec3 v) {
     return json_pack("[f, f, f]", v.x, v.y, v.z);
@@ -26,15 +20,11 @@ static json_t *length_json(double length) {
     return isfinite(length) ? json_real(length) : json_null();
 }
 
-static vec3 multiply(vec3 a, vec3 b) {
-    return (vec3){a.x * b.x, a.y * b.y, a.z * b.z};
-}
-
 json_t *material_json(const story *t, uint32_t index) {
     char number[32];
     const char *name = t->scene->materials[index].name;
     snprintf(number, sizeof number, "materials[%u]", (unsigned)index);
-    return json_string(name && *name ? name : number);
+    return text_json(name && *name ? name : number);
 }
 
 /* Names, outermost first. */
@@ -85,18 +75,31 @@ static const char *why_no_feeler(const story *t, const light_note *l, const ligh
                                  bool refracts) {
     if (!t->scene->shadows && tags->at.w & NOTED_COUNTS)
         return "no shadows";
+    const scene_light *light = &t->scene->lights[tags->at.y];
+    if (is_black(light->diffuse) && is_black(light->specular))
+        return "black light";
     if (vec_extent(xyz(l->direction)) == 0)
         return "at the light";
     if (tags->at.z == LIGHT_NEITHER)
         return "grazing";
     const bool back = tags->at.z == LIGHT_BACK;
-    if (back && is_black(m->diffuse_transmission) && is_black(m->specular_transmission))
-        return "behind";
-    if (back && !refracts && is_black(m->diffuse_transmission))
+    const vec3 diffuse = back ? m->diffuse_transmission : m->diffuse,
+               specular = back ? m->specular_transmission : m->specular;
+    if (is_black(diffuse) && is_black(specular))
+        return back ? "behind" : "coefficients";
+    if (back && !refracts && is_black(diffuse))
         return "total reflection";
     if (!is_black(xyz(l->specular)) && l->share.w <= 0)
         return "outside the highlight";
-    return "coefficients";
+    return "no common term";
+}
+
+void find_terms(const story *t, uint32_t index, vec3 *diffuse, vec3 *specular) {
+    const light_note *l = &t->notes->lights[index];
+    const bool counts = t->notes->light_tags[index].at.w & NOTED_COUNTS;
+    const vec3 share = counts ? xyz(l->share) : (vec3){0, 0, 0};
+    *diffuse = vec_scale(vec_multiply(xyz(l->diffuse), share), fabs(l->diffuse.w));
+    *specular = vec_scale(vec_multiply(xyz(l->specular), share), l->specular.w);
 }
 
 static json_t *feeler_json(const story *t, uint32_t ray, uint32_t index, feeler_error *error) {
@@ -128,9 +131,8 @@ static json_t *light_json(const story *t, uint32_t ray, uint32_t index, feeler_e
     json_t *feeler = json_null();
     if (tags->at.w & NOTED_FEELER && !(feeler = feeler_json(t, ray, index, error)))
         return NULL;
-    const vec3 share = tags->at.w & NOTED_COUNTS ? xyz(l->share) : (vec3){0, 0, 0};
-    const vec3 diffuse = vec_scale(multiply(xyz(l->diffuse), share), fabs(l->diffuse.w));
-    const vec3 specular = vec_scale(multiply(xyz(l->specular), share), l->specular.w);
+    vec3 diffuse, specular;
+    find_terms(t, index, &diffuse, &specular);
     json_t *json = json_pack("{s: i, s: s, s: o, s: o, s: f, s: f, s: o, s: o, s: o, s: o}", "light", (int)tags->at.y,
                              "side", sides[tags->at.z], "direction", colour_json(l->direction), "distance",
                              length_json(near ? l->direction.w : INFINITY), "cosine", l->diffuse.w, "highlight",
@@ -195,7 +197,7 @@ static json_t *child_json(const story *t, uint32_t ray, int which, vec3 *colour,
         json_decref(json);
         return NULL;
     }
-    *colour = vec_add(*colour, multiply(share, back));
+    *colour = vec_add(*colour, vec_multiply(share, back));
     json_object_set_new(json, "ray", next);
     return json;
 }
@@ -262,7 +264,7 @@ static json_t *ray_json(const story *t, uint32_t ray, vec3 *colour, feeler_error
     if (status == 0 && !met)
         json_object_set_new(json, "background", vec_json(*colour));
     if (status == 0) /* to the sample's colour */
-        json_object_set_new(json, "adds", vec_json(met ? multiply(xyz(r->weight), *colour) : xyz(r->background)));
+        json_object_set_new(json, "adds", vec_json(met ? vec_multiply(xyz(r->weight), *colour) : xyz(r->background)));
     for (int which = 0; status == 0 && met && which < 2; which++) {
         json_t *child = child_json(t, ray, which, colour, error);
         status = child ? json_object_set_new(json, ways[which], child) : -1;

@@ -186,18 +186,34 @@ static void draw_key(drawing *d) {
     d->y = y + 16;
 }
 
+/* A line of words; what has no room on it goes on below. */
+static void draw_words(drawing *d, const char *line) {
+    enum { ROOM = 140 }; /* letters */
+    double x = MARGIN + (*line == ' ' ? 12 : 0);
+    for (line += strspn(line, " "); *line; line += strspn(line, " "), x = MARGIN + 24) {
+        size_t length = strlen(line);
+        if (length > ROOM)
+            for (length = ROOM; length > 1 && line[length] != ' ';)
+                length--;
+        if (length == 1) /* a word that is longer than a line */
+            length = strcspn(line, " ");
+        char *piece = strndup(line, length);
+        if (!piece)
+            return;
+        d->y += LINE;
+        print_text(d->out, x, d->y, "plain", piece, ROOM);
+        free(piece);
+        line += length;
+    }
+}
+
 /* The tree stands in a group of its own, moved down by the heading. */
 static void draw_pixel(drawing *d, const json_t *pixel) {
     size_t i;
     json_t *one;
     json_array_foreach(json_object_get(pixel, "trees"), i, one) draw_ray(d, one, 1);
     draw_key(d);
-    json_array_foreach(json_object_get(pixel, "words"), i, one) {
-        const char *line = json_string_value(one);
-        const bool below = *line == ' ';
-        d->y += LINE;
-        print_text(d->out, MARGIN + (below ? 12 : 0), d->y, "plain", line + strspn(line, " "), 160);
-    }
+    json_array_foreach(json_object_get(pixel, "words"), i, one) draw_words(d, json_string_value(one));
 }
 
 static const char style[] =

@@ -38,8 +38,7 @@ static void print_term(FILE *out, const json_t *light, const char *key, const ch
     if (is_zero(json_object_get(light, key)))
         return;
     fputs("  ", out);
-    for (const char *c = key; *c; c++)
-        fputc(*c == '_' ? ' ' : *c, out);
+    print_key(out, key);
     fputc(' ', out);
     print_colour(out, json_object_get(light, key));
     fprintf(out, " (%s %.4g)", factor, value);
@@ -99,7 +98,9 @@ static void print_lights(const sheet *s, const json_t *lights) {
             print_light(s, light);
             continue;
         }
-        reason = json_is_object(feeler) ? "its highlight is not here" : text_of(light, "no_feeler");
+        reason = json_array_size(json_object_get(feeler, "crossed")) ? "filtered, nothing is left"
+                 : json_is_object(feeler)                            ? "its highlight is not here"
+                                                                     : text_of(light, "no_feeler");
         const char *before = json_string_value(json_object_get(idle, reason));
         json_object_set_new(idle, reason,
                             json_sprintf("%s%s%d", before ? before : "", before ? "," : "", whole_of(light, "light")));

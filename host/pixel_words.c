@@ -34,6 +34,11 @@ void print_colour(FILE *out, const json_t *colour) {
         fprintf(out, "%.4g %.4g %.4g", r, g, b);
 }
 
+void print_key(FILE *out, const char *key) {
+    for (; *key; key++)
+        fputc(*key == '_' ? ' ' : *key, out);
+}
+
 /* The file without its folder; a path of keys would repeat the object's number. */
 static void print_place(FILE *out, const json_t *object) {
     const char *place = text_of(object, "place"), *slash = strrchr(place, '/');
@@ -43,8 +48,7 @@ static void print_place(FILE *out, const json_t *object) {
 
 static void print_one(FILE *out, const json_t *object, const char *list, bool with_place) {
     const json_t *triangle = json_object_get(object, "triangle");
-    fprintf(out, "%s[%d] %s", list, (int)json_integer_value(json_object_get(object, "number")),
-            text_of(object, "shape"));
+    fprintf(out, "%s[%d] %s", list, whole_of(object, "number"), text_of(object, "shape"));
     if (triangle)
         fprintf(out, ", triangle %" JSON_INTEGER_FORMAT, json_integer_value(triangle));
     if (with_place)
@@ -74,8 +78,7 @@ static void print_part(FILE *out, const json_t *part) {
     const char *term = text_of(part, "term"), *kind = text_of(part, "ray");
     const json_t *light = json_object_get(part, "light");
     fprintf(out, "%5.1f %%  ", 100 * json_number_value(json_object_get(part, "share")));
-    for (; *term; term++)
-        fputc(*term == '_' ? ' ' : *term, out);
+    print_key(out, term);
     if (light)
         fprintf(out, " of lights[%d]", (int)json_integer_value(light));
     if (json_object_get(part, "object")) {
@@ -83,7 +86,7 @@ static void print_part(FILE *out, const json_t *part) {
         print_object(out, part, false);
     }
     fputs(", ", out);
-    print_ray(out, kind, (int)json_integer_value(json_object_get(part, "level")), false);
+    print_ray(out, kind, whole_of(part, "level"), false);
 }
 
 /* ---- what is missing ---- */
@@ -91,17 +94,19 @@ static void print_part(FILE *out, const json_t *part) {
 /* Why a light adds nothing, by its code; what follows "lights[0] ". */
 static const char *reason_of(const char *code) {
     static const char *const reasons[][2] = {
+        {"black light", "black itself"},
         {"at the light", "at the point itself"},
         {"grazing", "grazing the surface, on neither of its sides"},
         {"behind", "behind the surface, where the material transmits no light"},
         {"total reflection", "behind the surface, which reflects totally"},
         {"outside the highlight", "outside the highlight, and there is no diffuse"},
-        {"coefficients", "where the material's coefficients for it are 0"},
+        {"coefficients", "of no effect, for the material's coefficients are 0"},
+        {"no common term", "of colours of which the material returns nothing"},
     };
     for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
         if (strcmp(code, reasons[i][0]) == 0)
             return reasons[i][1];
-    return "where no light is left of its highlight";
+    return "where nothing is left of its highlight";
 }
 
 static bool is_blocked(const json_t *light) {
@@ -109,12 +114,15 @@ static bool is_blocked(const json_t *light) {
 }
 
 static void print_reason(FILE *out, const json_t *light) {
-    if (!is_blocked(light)) {
+    const json_t *feeler = json_object_get(light, "feeler");
+    if (is_blocked(light)) {
+        fputs("blocked by ", out);
+        print_object(out, json_object_get(feeler, "blocked_by"), false);
+    } else if (json_array_size(json_object_get(feeler, "crossed"))) {
+        fputs("filtered, and nothing of it is left", out);
+    } else {
         fputs(reason_of(text_of(light, "no_feeler")), out);
-        return;
     }
-    fputs("blocked by ", out);
-    print_object(out, json_object_get(json_object_get(light, "feeler"), "blocked_by"), false);
 }
 
 /* The numbers of the lights that add nothing by each reason, as in "0,2,3". NULL: out of memory. */
@@ -132,29 +140,46 @@ static json_t *group_by_reason(const json_t *lights, bool only_blocked) {
         print_reason(out, light);
         if (fclose(out) == 0) {
             const char *before = json_string_value(json_object_get(groups, reason));
-            json_object_set_new(groups, reason,
-                                json_sprintf("%s%s%d", before ? before : "", before ? "," : "",
-                                             (int)json_integer_value(json_object_get(light, "light"))));
+            json_object_set_new(
+                groups, reason,
+                json_sprintf("%s%s%d", before ? before : "", before ? "," : "", whole_of(light, "light")));
         }
         free(reason);
     }
     return groups;
 }
 
-static bool print_missing_lights(FILE *out, const json_t *ray, bool only_blocked, bool some) {
+/* What separates a clause from what comes before it: the subject or another clause. */
+static const char *comma(bool *some) {
+    const char *mark = *some ? "; " : ": ";
+    *some = true;
+    return mark;
+}
+
+static void print_missing_lights(FILE *out, const json_t *ray, bool only_blocked, bool *some) {
     const char *reason;
     json_t *numbers, *groups = group_by_reason(json_object_get(json_object_get(ray, "local"), "lights"), only_blocked);
     json_object_foreach(groups, reason, numbers) {
         const char *list = json_string_value(numbers);
-        fprintf(out, "%slights[%s] %s %s", some ? "; " : "", list, strchr(list, ',') ? "are" : "is", reason);
-        some = true;
+        fprintf(out, "%slights[%s] %s %s", comma(some), list, strchr(list, ',') ? "are" : "is", reason);
     }
     json_decref(groups);
-    return some;
+}
+
+/* What light there is, and what its weight leaves of it. */
+static void print_rest(FILE *out, const json_t *ray, const json_t *light, bool *some) {
+    if (is_zero(light))
+        return;
+    fprintf(out, "%sits light is ", comma(some));
+    print_colour(out, light);
+    fputs(", its weight ", out);
+    print_colour(out, json_object_get(ray, "weight"));
+    fputs(", so that it adds ", out);
+    print_colour(out, json_object_get(ray, "adds"));
 }
 
 /* Why nothing more is sent on. */
-static void print_unsent(FILE *out, const json_t *pixel, const json_t *ray) {
+static void print_unsent(FILE *out, const json_t *pixel, const json_t *ray, bool *some) {
     const char *ways[] = {"reflection", "transmission"};
     bool nothing = true;
     for (size_t i = 0; i < 2; i++) {
@@ -162,39 +187,50 @@ static void print_unsent(FILE *out, const json_t *pixel, const json_t *ray) {
         const char *code = text_of(way, "unsent");
         nothing &= strcmp(code, "coefficients") == 0;
         if (strcmp(code, "depth") == 0)
-            fprintf(out, "; the %s is beyond depth %d", ways[i],
-                    (int)json_integer_value(json_object_get(pixel, "depth")));
+            fprintf(out, "%sthe %s is beyond depth %d", comma(some), ways[i], whole_of(pixel, "depth"));
         else if (strcmp(code, "cutoff") == 0)
-            fprintf(out, "; the %s weighs less than the cutoff", ways[i]);
+            fprintf(out, "%sthe %s weighs less than the cutoff", comma(some), ways[i]);
         else if (strcmp(code, "weight") == 0)
-            fprintf(out, "; the %s weighs nothing", ways[i]);
+            fprintf(out, "%sthe %s weighs nothing", comma(some), ways[i]);
         else if (strcmp(code, "total reflection") == 0)
-            fputs("; it reflects totally", out);
+            fprintf(out, "%sit reflects totally", comma(some));
     }
     if (nothing)
-        fputs("; it neither reflects nor transmits", out);
+        fprintf(out, "%sit neither reflects nor transmits", comma(some));
+}
+
+/* Of a ray that meets nothing. */
+static void print_nothing(FILE *out, const json_t *pixel, const json_t *ray) {
+    const json_t *seen = json_object_get(ray, "background");
+    bool some = false;
+    fputs(" meets nothing", out);
+    if (is_zero(json_object_get(pixel, "background")))
+        fputs(", and the background is black", out);
+    else if (is_zero(seen))
+        fputs(", and the background is left out", out);
+    print_rest(out, ray, seen, &some);
 }
 
 /* A sentence on what one ray lacks. */
 static void print_lack(FILE *out, const json_t *pixel, const json_t *ray) {
     const json_t *hit = json_object_get(ray, "hit"), *local = json_object_get(ray, "local");
-    print_ray(out, text_of(ray, "kind"), (int)json_integer_value(json_object_get(ray, "level")), true);
+    bool some = false;
+    print_ray(out, text_of(ray, "kind"), whole_of(ray, "level"), true);
     if (!json_is_object(hit)) {
-        fputs(is_zero(json_object_get(pixel, "background")) ? " meets nothing, and the background is black"
-                                                            : " meets nothing, and the background is left out",
-              out);
+        print_nothing(out, pixel, ray);
         return;
     }
     fputs(" meets ", out);
     print_object(out, hit, false);
-    fputs(": ", out);
-    bool some = is_zero(json_object_get(local, "ambient"));
-    if (some)
-        fputs(is_zero(json_object_get(pixel, "ambient")) ? "there is no ambient light" : "it has no ambient", out);
+    print_rest(out, ray, json_object_get(local, "colour"), &some);
+    if (is_zero(json_object_get(pixel, "ambient")))
+        fprintf(out, "%sthere is no ambient light", comma(&some));
+    else if (is_zero(json_object_get(local, "ambient")))
+        fprintf(out, "%sit returns no ambient light", comma(&some));
     if (json_array_size(json_object_get(pixel, "lights")) == 0)
-        fprintf(out, "%sthe scene has no lights", some ? "; " : "");
-    print_missing_lights(out, ray, false, some);
-    print_unsent(out, pixel, ray);
+        fprintf(out, "%sthe scene has no lights", comma(&some));
+    print_missing_lights(out, ray, false, &some);
+    print_unsent(out, pixel, ray, &some);
 }
 
 /* Counts the sentence that was printed; takes the stream and its text. */
@@ -219,10 +255,12 @@ static void add_lacks(json_t *sentences, const json_t *pixel, const json_t *ray,
     } else if (json_is_object(json_object_get(ray, "hit"))) {
         char *lights = NULL;
         FILE *missing = open_memstream(&lights, &size);
-        bool some = missing && print_missing_lights(missing, ray, true, false);
+        bool some = false;
+        if (missing)
+            print_missing_lights(missing, ray, true, &some);
         if (missing && fclose(missing) == 0 && some) {
             print_object(out, json_object_get(ray, "hit"), false);
-            fprintf(out, ": %s", lights);
+            fputs(lights, out);
         }
         free(lights);
     }
@@ -296,8 +334,10 @@ json_t *words_json(const json_t *pixel) {
     size_t i;
     json_t *one, *lines = json_array(), *sentences = json_object(), *parts = json_object_get(pixel, "made_of");
     double colour[3] = {0, 0, 0};
-    json_array_foreach(parts, i, one) for (size_t k = 0; k < 3; k++) colour[k] +=
-        channel(json_object_get(one, "colour"), k);
+    json_array_foreach(parts, i, one) {
+        for (size_t k = 0; k < 3; k++)
+            colour[k] += channel(json_object_get(one, "colour"), k);
+    }
     const bool black = colour[0] < darkest && colour[1] < darkest && colour[2] < darkest;
     json_array_foreach(json_object_get(pixel, "trees"), i, one) add_lacks(sentences, pixel, one, black);
     if (!black)

@@ -154,6 +154,25 @@ static size_t slot_room(const job *j) {
     return room > least ? room : least;
 }
 
+/* Packs the scene, unless the job was given it as it needs it. */
+static int pack_job(job *j, const feeler_scene *scene, feeler_error *error) {
+    const feeler_settings *s = &j->settings;
+    if (j->packed.width == (size_t)j->needs.width && j->packed.is_double == (s->level == FEELER_REFERENCE))
+        return 0;
+    upload_free(&j->upload);
+    packed_free(&j->packed);
+    return pack_scene(&j->packed, scene, s, j->needs, error);
+}
+
+static int upload_job(job *j, const view *view, feeler_error *error) {
+    if (!j->upload.arrays[0]) {
+        j->packed.eye_inside = eye_may_be_inside(&j->packed, view->eye);
+        if (upload_scene(&j->upload, &j->packed, j->device, error) < 0)
+            return -1;
+    }
+    return upload_view(&j->upload, view, j->packed.is_double, j->needs.media, j->device, error);
+}
+
 int open_job(job *j, const feeler_scene *scene, feeler_progress progress, void *user, feeler_error *error) {
     const feeler_settings *s = &j->settings;
     if (s->level == FEELER_REFERENCE && !j->device->has_double)
@@ -161,14 +180,13 @@ int open_job(job *j, const feeler_scene *scene, feeler_progress progress, void *
     j->needs = choose_needs(scene, s);
     j->needs.notes = j->notes;
     j->options = program_options(s, j->needs, error);
-    if (!j->options || pack_scene(&j->packed, scene, s, j->needs, error) < 0)
+    if (!j->options || pack_job(j, scene, error) < 0)
         return -1;
     j->stop = progress && progress(user, 0);
     if (j->stop)
         return 0;
     const view view = pack_view(scene, s, j->packed.origin);
-    bool inside = eye_may_be_inside(&j->packed, view.eye);
-    if (upload_scene(&j->upload, &j->packed, &view, j->needs.media, j->device, error) < 0)
+    if (upload_job(j, &view, error) < 0)
         return -1;
     if (program_build(&j->program, j->device, j->options, j->notes ? "record_pixel" : "render", error) < 0 ||
         choose_work_group(j->device, &j->program, s, j->needs, j->options, j->group, &j->group_from, error) < 0)
@@ -183,7 +201,7 @@ int open_job(job *j, const feeler_scene *scene, feeler_progress progress, void *
     bool transmits = j->needs.features >> FEATURE_TRANSMISSION & 1;
     if (!transmits)
         return 0;
-    return inside ? find_eye_media(j, error) : clear_eye_media(j, error);
+    return j->packed.eye_inside ? find_eye_media(j, error) : clear_eye_media(j, error);
 }
 
 static int fill_stats(job *j, const feeler_scene *scene, double start, feeler_error *error) {
@@ -241,11 +259,22 @@ static int render_region(job *j, const feeler_scene *scene, double start, feeler
     return fill_stats(j, scene, start, error);
 }
 
+void resident_free(resident *r) {
+    upload_free(&r->upload);
+    packed_free(&r->packed);
+    *r = (resident){0};
+}
+
 int render_regions(const feeler_scene *scene, const feeler_settings *settings, const int (*regions)[4], int count,
-                   feeler_device *device, feeler_progress progress, void *user, feeler_image **images,
-                   feeler_error *error) {
+                   feeler_device *device, resident *resident, feeler_progress progress, void *user,
+                   feeler_image **images, feeler_error *error) {
     double start = seconds_now();
     job j = {.device = device};
+    if (resident) {
+        j.packed = resident->packed;
+        j.upload = resident->upload;
+        memset(resident, 0, sizeof *resident);
+    }
     int status = resolve_settings(scene, settings, &j.settings, error), made = 0;
     if (status == 0)
         status = open_job(&j, scene, progress, user, error);
@@ -260,6 +289,11 @@ int render_regions(const feeler_scene *scene, const feeler_settings *settings, c
         clFinish(device->queue);
         while (made > 0)
             feeler_image_free(images[--made]);
+    } else if (resident && !j.stop) {
+        resident->packed = j.packed;
+        resident->upload = j.upload;
+        memset(&j.packed, 0, sizeof j.packed);
+        memset(&j.upload, 0, sizeof j.upload);
     }
     close_job(&j);
     return status < 0 ? -1 : made;
@@ -268,6 +302,6 @@ int render_regions(const feeler_scene *scene, const feeler_settings *settings, c
 feeler_image *feeler_render(const feeler_scene *scene, const feeler_settings *settings, feeler_device *device,
                             feeler_progress progress, void *user, feeler_error *error) {
     feeler_image *image;
-    return render_regions(scene, settings, &settings->region, 1, device, progress, user, &image, error) == 1 ? image
-                                                                                                             : NULL;
+    const int made = render_regions(scene, settings, &settings->region, 1, device, NULL, progress, user, &image, error);
+    return made == 1 ? image : NULL;
 }

@@ -4,7 +4,6 @@
  * one does: a region is the same part of the whole, so they are measured before the whole is rendered. */
 #include "clock.h"
 #include "difference.h"
-#include "job.h"
 #include "truth.h"
 
 #include <math.h>
@@ -24,6 +23,9 @@ static const double safety = 0.8;
 /* What the truth itself may be off by, as a share of the tolerance; that of the proxy only points the way. */
 static const double proxy_noise = 1. / 2, noise_share = 1. / 3;
 
+/* Of a picture's time, the most that level draft spares in most scenes (docs/performance.md). */
+static const double draft_saving = 0.1;
+
 typedef struct trial {
     way way;
     double proxy, seconds; /* error and time there; negative: not tried there */
@@ -34,9 +36,10 @@ typedef struct search {
     feeler_settings settings; /* resolved */
     bool any_level, any_samples, any_cutoff;
     double tolerance;
+    resident resident; /* what both render */
     truth proxy, tiles;
     bool whole;        /* the proxy is the picture itself */
-    bool draft_spared; /* to compile its kernels would take longer than the picture */
+    bool draft_spared; /* to compile its kernels would take longer than they may save */
     trial trials[MOST_TRIALS];
     int count;
 } search;
@@ -156,7 +159,7 @@ static int try_ways(search *s, bool sends, feeler_error *error) {
         return -1;
     if (s->any_level && best) {
         const int samples = best->way.samples;
-        s->draft_spared = expect_seconds(s, best) < s->proxy.compile;
+        s->draft_spared = draft_saving * expect_seconds(s, best) < s->proxy.compile;
         if (!s->draft_spared && !try_way(s, way_of(s, FEELER_DRAFT, samples), error))
             return -1;
     } else if (s->any_level && try_samples(s, FEELER_REFERENCE, first, &best, error)) {
@@ -209,13 +212,28 @@ static trial *next_dearer(search *s) {
     return tried_there(s, w) || s->count == MOST_TRIALS ? NULL : add_trial(s, w);
 }
 
+/* Measures a way on the tiles. Where the truth's own noise may be what makes it too bad, the truth gets more samples: they cost
+ * less than a picture with more. */
+static int measure_there(search *s, trial *t, feeler_error *error) {
+    int known;
+    do {
+        if (truth_measure(&s->tiles, &t->way, &t->tiles, NULL, error))
+            return -1;
+        known = s->tiles.samples;
+        if (!good(s, t->tiles) && good(s, fmax(0, t->tiles - s->tiles.noise)) &&
+            truth_refine(&s->tiles, 0.75 * s->tiles.noise, error))
+            return -1;
+    } while (s->tiles.samples > known);
+    return 0;
+}
+
 /* Checks ways from the cheapest on. The one to render with, NULL: failed. */
 static trial *check(search *s, feeler_error *error) {
     trial *t = next_hopeful(s);
     if (!t)
         t = least_error(s, false);
     while (t) {
-        if (truth_measure(&s->tiles, &t->way, &t->tiles, NULL, error))
+        if (measure_there(s, t, error))
             return NULL;
         if (good(s, t->tiles))
             return t;
@@ -303,6 +321,7 @@ static int start_search(search *s, const feeler_scene *scene, const feeler_setti
     s->settings.lanes = asked->lanes;
     s->proxy = (truth){.scene = scene,
                        .device = device,
+                       .resident = &s->resident,
                        .progress = progress,
                        .user = user,
                        .depth = s->settings.depth > scene->depth ? s->settings.depth : scene->depth,
@@ -333,7 +352,7 @@ static trial *find_way(search *s, feeler_error *error) {
 static const trial *choose(search *s, char *why, size_t size, feeler_error *error) {
     const trial *chosen = find_way(s, error);
     snprintf(why, size, "the cheapest of those tried whose error is below the tolerance with a fifth to spare%s",
-             s->draft_spared ? "; draft was not tried: to compile it takes longer than the picture" : "");
+             s->draft_spared ? "; draft was not tried: to compile it takes longer than it is likely to save" : "");
     if (chosen && !good(s, s->whole ? chosen->proxy : chosen->tiles) && explain(s, chosen, why, size, error))
         return NULL;
     return chosen;
@@ -349,6 +368,7 @@ feeler_image *feeler_render_within(const feeler_scene *scene, const feeler_setti
     const trial *chosen =
         start_search(&s, scene, asked, device, progress, user, &own) ? NULL : choose(&s, why, sizeof why, &own);
     const double seconds = seconds_now() - start;
+    resident_free(&s.resident);
     if (chosen) {
         s.settings.level = chosen->way.level;
         s.settings.samples = chosen->way.samples;

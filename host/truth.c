@@ -2,15 +2,14 @@
 #include "truth.h"
 
 #include "difference.h"
-#include "job.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples of the two halves, one step after another. Rows of odd numbers of cells: no way to be measured has a sample in a
- * cell of these, so its error does not cancel. */
-static const int steps[][2] = {{3 * 3, 5 * 5}, {7 * 7, 9 * 9}, {11 * 11, 13 * 13}, {21 * 21, 23 * 23}};
+/* Samples that are added to the first half, to the second, to the first … Rows of odd numbers of cells: no way to be measured
+ * has a sample in a cell of these, so its error does not cancel. */
+static const int steps[] = {3 * 3, 5 * 5, 7 * 7, 9 * 9, 11 * 11, 13 * 13, 21 * 21, 23 * 23};
 enum { STEPS = sizeof steps / sizeof *steps };
 
 enum {
@@ -115,8 +114,8 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
     s.cutoff = w->cutoff;
     s.jitter = jitter;
     memcpy(s.region, t->regions[0], sizeof s.region);
-    const int made =
-        render_regions(t->scene, &s, (const int(*)[4])t->regions, count, t->device, stop_or_go, t, images, error);
+    const int made = render_regions(t->scene, &s, (const int(*)[4])t->regions, count, t->device, t->resident,
+                                    stop_or_go, t, images, error);
     if (t->stopped) /* a render that was done just then does not say so */
         fail(error, FEELER_INTERRUPTED, "interrupted while settings were sought");
     double sum = 0, least = INFINITY;
@@ -136,8 +135,8 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
 
 /* ---- the truth ---- */
 
-/* The mean of both halves, and their distance, of which half is what the mean is off by: both errors are alike and
- * independent. */
+/* The mean of both halves, and their distance, of which half is what the mean is off by, as both errors are independent: less
+ * than that where one half has more samples. */
 static void take_stock(truth *t) {
     const double all = t->weights[0] + t->weights[1];
     double *apart = t->trial;
@@ -151,29 +150,24 @@ static void take_stock(truth *t) {
     t->noise = quantile(t->differences, t->pixels, t->share);
 }
 
-static int add_step(truth *t, const int samples[2], feeler_error *error) {
-    for (int h = 0; h < 2; h++) {
-        const way w = {FEELER_REFERENCE, samples[h], t->depth, t->cutoff};
-        if (render(t, &w, 1, t->trial, NULL, error))
-            return -1;
-        for (size_t i = 0; i < 3 * t->pixels; i++)
-            t->halves[h][i] += samples[h] * t->trial[i];
-        t->weights[h] += samples[h];
-        t->samples += samples[h];
-    }
-    take_stock(t);
+static int add_step(truth *t, feeler_error *error) {
+    const int half = t->steps & 1, samples = steps[t->steps++];
+    const way w = {FEELER_REFERENCE, samples, t->depth, t->cutoff};
+    if (render(t, &w, 1, t->trial, NULL, error))
+        return -1;
+    for (size_t i = 0; i < 3 * t->pixels; i++)
+        t->halves[half][i] += samples * t->trial[i];
+    t->weights[half] += samples;
+    t->samples += samples;
     return 0;
 }
 
 int truth_refine(truth *t, double noise, feeler_error *error) {
-    for (int step = 0, known = 0; step < STEPS; step++) {
-        known += steps[step][0] + steps[step][1];
-        if (t->samples >= known)
-            continue;
-        if (t->samples && t->noise <= noise)
-            break;
-        if (add_step(t, steps[step], error))
+    while (t->steps < 2 || (t->steps < STEPS && t->noise > noise)) {
+        if (add_step(t, error))
             return -1;
+        if (t->steps >= 2)
+            take_stock(t);
     }
     return 0;
 }

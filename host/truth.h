@@ -2,10 +2,7 @@
 #ifndef FEELER_TRUTH_H
 #define FEELER_TRUTH_H
 
-#include "feeler.h"
-
-#include <stdbool.h>
-#include <stddef.h>
+#include "job.h"
 
 /* How a picture may be rendered. */
 typedef struct way {
@@ -16,6 +13,7 @@ typedef struct way {
 typedef struct truth {
     const feeler_scene *scene;
     feeler_device *device;
+    resident *resident; /* the scene as it was rendered last */
     feeler_progress progress;
     void *user;
     feeler_settings settings; /* of the whole picture */
@@ -25,11 +23,11 @@ typedef struct truth {
     double share;      /* the percentile that an error is, 0 … 1 */
     int (*regions)[4]; /* owned; of one size */
     int count;
-    size_t pixels;     /* of all regions */
-    int samples;       /* that it has */
-    double noise;      /* what the truth itself is off by, as far as its two halves tell */
-    double compile;    /* seconds that the kernels of the last way took */
-    double *halves[2]; /* sums of colours by weight; the first is owned and holds all below, too */
+    size_t pixels;      /* of all regions */
+    int steps, samples; /* that it has */
+    double noise;       /* what the truth itself is off by, as far as its two halves tell */
+    double compile;     /* seconds that the kernels of the last way took */
+    double *halves[2];  /* sums of colours by weight; the first is owned and holds all below, too */
     double weights[2];
     double *colours; /* the truth, clamped */
     double *trial, *differences;

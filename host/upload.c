@@ -59,42 +59,48 @@ static cl_mem copy_array(const feeler_device *device, const array *a, bool is_do
                       : create_buffer(device, a->data, size, error);
 }
 
-int upload_scene(upload *u, packed *p, const view *view, int media, const feeler_device *device, feeler_error *error) {
+int upload_scene(upload *u, packed *p, const feeler_device *device, feeler_error *error) {
     memset(u, 0, sizeof *u);
     for (int i = 0; i < ARRAY_COUNT; i++) {
         array *a = &p->arrays[i];
         u->arrays[i] = copy_array(device, a, p->is_double, error);
-        if (!u->arrays[i])
-            goto failed;
+        if (!u->arrays[i]) {
+            upload_free(u);
+            return -1;
+        }
         free(a->data);
         a->data = NULL;
     }
-    u->view = copy_reals(device, (const double *)view, sizeof *view / sizeof(double), p->is_double, error);
+    return 0;
+}
+
+static void release_view(upload *u) {
+    if (u->view)
+        clReleaseMemObject(u->view);
+    if (u->eye_media)
+        clReleaseMemObject(u->eye_media);
+    u->view = u->eye_media = NULL;
+}
+
+int upload_view(upload *u, const view *view, bool is_double, int media, const feeler_device *device,
+                feeler_error *error) {
+    release_view(u);
+    u->view = copy_reals(device, (const double *)view, sizeof *view / sizeof(double), is_double, error);
     if (!u->view)
-        goto failed;
+        return -1;
     cl_int status;
     u->eye_media = clCreateBuffer(device->context, CL_MEM_READ_WRITE, (size_t)media * sizeof(cl_int), NULL, &status);
-    if (status != CL_SUCCESS) {
-        fail_cl(error, "clCreateBuffer", status);
-        goto failed;
-    }
+    if (status != CL_SUCCESS)
+        return fail_cl(error, "clCreateBuffer", status);
     /* A blocking write has taken what it writes (OpenCL 1.2, 5.2.2); in a queue without order a launch may still overtake it. */
     status = clFinish(device->queue);
-    if (status == CL_SUCCESS)
-        return 0;
-    fail_cl(error, "clFinish", status);
-failed:
-    upload_free(u);
-    return -1;
+    return status == CL_SUCCESS ? 0 : fail_cl(error, "clFinish", status);
 }
 
 void upload_free(upload *u) {
     for (int i = 0; i < ARRAY_COUNT; i++)
         if (u->arrays[i])
             clReleaseMemObject(u->arrays[i]);
-    if (u->view)
-        clReleaseMemObject(u->view);
-    if (u->eye_media)
-        clReleaseMemObject(u->eye_media);
+    release_view(u);
     memset(u, 0, sizeof *u);
 }

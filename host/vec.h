@@ -15,6 +15,10 @@ static inline vec3 vec_subtract(vec3 a, vec3 b) {
 static inline vec3 vec_scale(vec3 a, double s) {
     return (vec3){a.x * s, a.y * s, a.z * s};
 }
+/* By component, as colours are. */
+static inline vec3 vec_multiply(vec3 a, vec3 b) {
+    return (vec3){a.x * b.x, a.y * b.y, a.z * b.z};
+}
 static inline double vec_dot(vec3 a, vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }

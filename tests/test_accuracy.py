@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -250,10 +251,13 @@ def test_specialisation_as_data(tmp_path: Path) -> None:
         specialisation.read(content)
 
 
-def test_a_process_that_fails(tmp_path: Path) -> None:
+def test_a_process_that_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(feeler.Error, match=r"a\.yaml"):
         specialisation.measure(tmp_path / "a.yaml")
     (tmp_path / "a.yaml").write_text(json.dumps(MIRRORS))
+    if sys.version_info >= (3, 11):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "json.py").write_text("raise SystemExit('from the working folder')")
     with pytest.raises(feeler.Error, match=r"process of its own failed.*no OpenCL device"):
         specialisation.measure(tmp_path / "a.yaml", device="no such device")
 

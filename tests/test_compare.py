@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -246,6 +247,15 @@ def test_difference_picture(cli: Any, tmp_path: Path) -> None:
     assert np.array(Image.open(tmp_path / "d.png")).min() > 180
     assert cli("compare", "a.png", "b.png", "--map", "flip", "-o", "f.exr").returncode == 0
     np.testing.assert_allclose(read_exr(tmp_path / "f.exr")[0], told["flip"], rtol=1e-5)
+
+
+def test_a_name_that_is_no_utf_8(cli: Any, files: Path, tmp_path: Path) -> None:
+    """JSON cannot tell it."""
+    name = os.fsdecode(b"d\xe9.png")
+    assert cli("compare", files / "near.png", files / "rgb.png", "-o", name, text=False).returncode == 0
+    assert (tmp_path / name).is_file()
+    result = cli("compare", files / "near.png", files / "rgb.png", "-o", name, "--json")
+    assert result.returncode == 1 and result.stdout == "" and "no UTF-8" in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,7 @@ def test_a_mirror_a_lamp_and_a_blocker() -> None:
     assert hit["normal"] == near([0, 0.5**0.5, 0.5**0.5]) and hit["shading"] == hit["normal"] and hit["entering"]
     assert hit["reflected"] == near([0, 1, 0])
     assert eye["local"]["colour"] == [0, 0, 0] and eye["adds"] == [0, 0, 0]
+    assert [light["no_feeler"] for light in eye["local"]["lights"]] == ["grazing", "grazing", "coefficients"]
     assert eye["reflection"]["share"] == near(SHARE) and eye["reflection"]["weight"] == near(SHARE)
     assert (eye["transmission"]["sent"], eye["transmission"]["unsent"]) == (False, "coefficients")
 
@@ -109,6 +111,30 @@ def test_why_is_it_black() -> None:
     text = str(told)
     assert "lights[0]  blocked by objects[2] sphere 'plaster' at 2 of 5\n" in text
     assert text.endswith("\n".join(told.words))
+    drawn = " ".join("".join(ET.fromstring(told.svg).itertext()).split())
+    assert all(" ".join(line.split()) in drawn for line in told.words)
+
+
+def test_why_is_it_nearly_black() -> None:
+    """There is light, but what is on its way takes it."""
+    only_red = {"mirror": {"reflection": [1, 0, 0]}, "plaster": {"diffuse": [0, 0, 0.5]}}
+    told = look(
+        {**CEILING, "ambient": 0, "lights": CEILING["lights"][:1], "materials": only_red}, (0, 0, 0), (0, 0, -1)
+    )
+    assert told.colour == (0, 0, 0) and told.words[0] == "black, because"
+    assert told.words[2] == (
+        "  a reflection ray of level 2 meets objects[1] plane 'plaster': its light is 0 0 0.18, its weight 1 0 0, "
+        "so that it adds 0; there is no ambient light; it neither reflects nor transmits"
+    )
+    dim = {"background": 0.5, "materials": {"mirror": {"reflection": 0.0001, "ambient": 1e-5}}, "ambient": 1}
+    told = look({**dim, "objects": CEILING["objects"][:1]}, (0, 0, 0), (0, 0, -1))
+    assert told.colour == near([6e-5] * 3)
+    assert told.words == [
+        "black, because",
+        "  the eye ray meets objects[0] disc 'mirror': its light is 1e-05, its weight 1, so that it adds 1e-05; "
+        "lights[0] is black itself",
+        "  a reflection ray of level 2 meets nothing: its light is 0.5, its weight 0.0001, so that it adds 5e-05",
+    ]
 
 
 def test_the_nearest_blocker_counts() -> None:
@@ -139,7 +165,8 @@ GLOSS = {"plane": {"normal": [0, 1, 0]}, "material": {"specular": 1}}
     ("eye", "light", "why"),
     [
         ((3, 4, 0), {"point": [10, 5, 0]}, "outside the highlight"),
-        ((3, 4, 0), {"point": [-3, 4, 0], "specular": 0}, "coefficients"),
+        ((3, 4, 0), {"point": [-3, 4, 0], "specular": 0}, "no common term"),
+        ((3, 4, 0), {"point": [-3, 4, 0], "colour": 0}, "black light"),
         ((0, 4, 0), {"point": [5, 0, 0]}, "grazing"),
         ((0, 4, 0), {"point": [0, 0, 0]}, "at the light"),
         ((0, 4, 0), {"point": [0, -1, 0]}, "behind"),
@@ -255,6 +282,19 @@ def test_a_scene_far_away_and_instances(tmp_path: Path) -> None:
     assert hit["object"]["place"] == f"{tmp_path / 'far.yaml'}:12:5"
     assert (hit["object"]["inside"]["number"], hit["object"]["inside"]["shape"]) == (1, "sphere")
     assert hit["object"]["inside"]["place"] == f"{tmp_path / 'far.yaml'}:9:8"
+
+
+def test_a_name_that_is_no_utf_8(tmp_path: Path) -> None:
+    """JSON knows no other; the file can be read all the same."""
+    path = os.fsencode(tmp_path) + b"/caf\xe9.yaml"
+    Path(os.fsdecode(path)).write_text(
+        "camera: {eye: [0, 0, 5], look_at: [0, 0, 0]}\nimage: {size: [1, 1]}\nlights: [{point: [0, 0, 9], colour: 0}]\n"
+        "objects: [{sphere: {radius: 1}}]\n"
+    )
+    told = feeler.load(os.fsdecode(path)).pixel(0, 0, depth=4, general=True)
+    assert told.tree["scene"] == "caf?"
+    assert told.tree["trees"][0]["hit"]["object"]["place"].endswith("/caf?.yaml:4:12")
+    assert "(caf?.yaml:4:12)" in str(told)
 
 
 def test_filtered_feelers() -> None:

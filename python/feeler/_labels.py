@@ -47,7 +47,7 @@ def place_labels(
         )  # fmt: skip
         note.set_in_layout(False)
         extent = note.get_window_extent()
-        width, height = extent.width / 2 + scale, extent.height / 2
+        width, height = extent.width / 2 + 3 * scale, extent.height / 2
         best, least = None, math.inf
         for dx, dy in _places(width, height, scale):
             box = (x + dx - width, y + dy - height, x + dx + width, y + dy + height)

@@ -30,6 +30,12 @@ from .sweep import kernel_seconds
 
 FRAMES = 3  # renders of a process after the one that compiles
 
+# Else what is in the working folder stands in for Python's own modules, from Python 3.11 on.
+_SAME_MODULES = {
+    "PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path),
+    "PYTHONSAFEPATH": "1",
+}
+
 
 @dataclass(frozen=True)
 class Seconds:
@@ -97,7 +103,7 @@ def _run(path: str, size: tuple[int, int], general: bool, device: str | int | No
     with tempfile.TemporaryDirectory(prefix="feeler-kernels-") as folder:
         done = subprocess.run(
             [sys.executable, "-m", "feeler.specialisation", request], capture_output=True, text=True, check=False,
-            env={**os.environ, "POCL_CACHE_DIR": folder, "FEELER_TUNED": ""},
+            env={**os.environ, **_SAME_MODULES, "POCL_CACHE_DIR": folder, "FEELER_TUNED": ""},
         )  # fmt: skip
     if done.returncode:
         last = (done.stderr.strip().splitlines() or ["it did not say why"])[-1]
