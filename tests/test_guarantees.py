@@ -137,6 +137,19 @@ def test_pictures_with_axes_permuted(times: int, picture: Any) -> None:
     expect_alike(feeler.Scene(scene).render().pixels, picture)
 
 
+def test_pictures_with_two_axes_swapped(picture: Any) -> None:
+    """That is seen in a mirror, which turns closed meshes inside out."""
+
+    def swap(a: Any) -> Any:
+        return a[..., [1, 0, 2]]
+
+    scene = changed(everything_said(), swap, swap)
+    for item in scene["objects"]:
+        if "mesh" in item:
+            item["mesh"]["triangles"] = [triangle[::-1] for triangle in item["mesh"]["triangles"]]
+    expect_alike(feeler.Scene(scene).render().pixels[:, ::-1], picture)
+
+
 @pytest.mark.parametrize("kind", ["box", "triangle"])
 def test_crossings_with_axes_permuted(kind: str) -> None:
     """Boxes and triangles know no order of axes: the distances have the same bits (but where a ray has two components of the
