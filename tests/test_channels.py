@@ -203,23 +203,36 @@ EDGES = {
     "disc": {"disc": {"centre": [1, 0, 0], "normal": [0, 0, 1], "radius": 1}},
     "sphere": {"sphere": {"centre": [1, 0, 0], "radius": 1}},
     "cylinder": {"cylinder": {"base": [1, -3, 0], "top": [1, 3, 0], "radius": 1}},
+    "open end": {"cylinder": {"base": [0, 0, -1], "top": [3, 0, -1], "radius": 1, "capped": False}},
 }
 
 
-@pytest.fixture(scope="module")
-def edges() -> dict[str, Any]:
-    """The margins of each, alone; one more object, out of sight, lets all share a kernel."""
+def look_at_edge(name: str, by: float = 0, **settings: Any) -> dict[str, Any]:
+    """The channels of one of them alone, moved sideways; one more of each, out of sight, lets all share a kernel."""
     unseen = [{**shape, "transform": {"translate": [0, 0, 50]}} for shape in EDGES.values()]
-    return {
-        name: feeler.Scene(flat([shape, *unseen])).render(channels=["margin", "object"]).channels
-        for name, shape in EDGES.items()
-    }
+    shape = {**EDGES[name], "transform": {"translate": [by, 0, 0]}}
+    return feeler.Scene(flat([shape, *unseen])).render(channels=["margin", "object"], **settings).channels
 
 
 @pytest.mark.parametrize("name", EDGES)
-def test_margin_at_an_edge(edges: dict[str, Any], name: str) -> None:
+def test_margin_beside_an_edge(name: str) -> None:
+    """In proportion to how far the ray passes by, and alike on both sides."""
+    sides = [
+        [look_at_edge(name, sign * 2.0**-k, region=(15, 15, 16, 16))["margin"][0, 0] for k in (10, 14, 15, 16)]
+        for sign in (-1, 1)
+    ]
+    print(name, sides)
+    for far, *near in sides:
+        assert far == 16
+        assert near[0] / near[1] == pytest.approx(2, rel=0.2) and near[1] / near[2] == pytest.approx(2, rel=0.2)
+    assert sides[0][1:] == pytest.approx(sides[1][1:], rel=0.3)
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_margin_at_an_edge(name: str) -> None:
     """Edge or silhouette runs through the middle pixel's centre exactly: nobody can say what it shows."""
-    margin, number = edges[name]["margin"], edges[name]["object"]
+    found = look_at_edge(name)
+    margin, number = found["margin"], found["object"]
     assert margin[15, 15] < 1
     assert (number[15, :15] == -1).all() and (number[15, 16:24] == 0).all()
     assert (margin[15, :15] == 16).all() and (margin[15, 16:24] == 16).all()
@@ -293,7 +306,7 @@ def test_total_reflection_beyond_its_bound_is_right() -> None:
     """Seen so closely that all pixels are near the critical angle: where the margin is above 1, float decides as double does."""
     rng = np.random.default_rng(5)
     wrong = near = 0
-    for _ in range(8):
+    for _ in range(16):
         normal, side, up = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         ior = rng.uniform(1.1, 2.4)
         eye = -normal
