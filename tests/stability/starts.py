@@ -150,7 +150,7 @@ def scaled_pictures() -> list[Panel]:
     claims: dict[str, Any] = {NAIVE: {"fails": 0.01}, ROBUST: {"bound": 0}}
     return [
         Panel("a scene of every primitive, scaled by 2ᵏ", "size of the scene", [2.0**p for p in powers],
-              "pixels that differ from the unscaled scene's",
+              "pixels that have other bits",
               [Curve(m[0], m[1], [changed_pixels(p, m[2], m[3]) for p in powers], **claims.get(m[1], {}))
                for m in OFFSETS], 48 * 36),
     ]  # fmt: skip
