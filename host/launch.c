@@ -77,7 +77,7 @@ int clear_eye_media(const job *j, feeler_error *error) {
     size_t size = (size_t)j->needs.media * sizeof *none;
     cl_int status = clEnqueueWriteBuffer(j->device->queue, j->upload.eye_media, CL_TRUE, 0, size, none, 0, NULL, NULL);
     if (status == CL_SUCCESS)
-        status = clFinish(j->device->queue); /* as upload_scene does */
+        status = clFinish(j->device->queue); /* as upload_view does */
     return status == CL_SUCCESS ? 0 : fail_cl(error, "clEnqueueWriteBuffer", status);
 }
 

@@ -2,7 +2,6 @@
  * asks for what a render does not tell. */
 #include "job.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,16 +36,25 @@ int open_survey(job *j, feeler_error *error) {
     if (!(j->settings.channels & ~render_knows))
         return 0;
     const feeler_settings lone = survey_settings(&j->settings);
-    char options[4096], *plain = program_options(&lone, j->needs, error);
+    static const char survey[] = " -DSURVEY=1", margin[] = " -DMARGIN=1";
+    char *plain = program_options(&lone, j->needs, error), *options;
     if (!plain)
         return -1;
-    snprintf(options, sizeof options, "%s -DSURVEY=1%s", plain,
-             j->settings.channels & FEELER_MARGIN ? " -DMARGIN=1" : "");
-    free(plain);
+    options = realloc(plain, strlen(plain) + sizeof survey + sizeof margin);
+    if (!options) {
+        free(plain);
+        return fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
+    }
+    strcat(options, survey);
+    if (j->settings.channels & FEELER_MARGIN)
+        strcat(options, margin);
     group_origin chosen;
-    return program_build(&j->survey, j->device, options, "survey", error) < 0
-               ? -1
-               : choose_work_group(j->device, &j->survey, &lone, j->needs, options, j->survey_group, &chosen, error);
+    const int status =
+        program_build(&j->survey, j->device, options, "survey", error) < 0
+            ? -1
+            : choose_work_group(j->device, &j->survey, &lone, j->needs, options, j->survey_group, &chosen, error);
+    free(options);
+    return status;
 }
 
 int start_survey(const job *j, slot *s, feeler_error *error) {

@@ -251,11 +251,10 @@ reals naive_power(reals base, reals exponent) {
 #endif
 
 #if defined(NAIVE_MEDIA)
-// Every surface bounds its material against air.
+// Every surface bounds its material against air, and no list is kept.
 boundary naive_cross_boundary(const scene *s, const media *in, ints material, ints entering) {
-    boundary b = cross_boundary(s, in, material, entering);
-    b.eta = entering ? splat(1) / index_of(s, material) : index_of(s, material);
-    b.visible = mask(true);
+    const reals index = index_of(s, material);
+    const boundary b = {entering ? splat(1) / index : index, material, mask(true), *in};
     return b;
 }
 #define cross_boundary naive_cross_boundary

@@ -203,23 +203,36 @@ EDGES = {
     "disc": {"disc": {"centre": [1, 0, 0], "normal": [0, 0, 1], "radius": 1}},
     "sphere": {"sphere": {"centre": [1, 0, 0], "radius": 1}},
     "cylinder": {"cylinder": {"base": [1, -3, 0], "top": [1, 3, 0], "radius": 1}},
+    "open end": {"cylinder": {"base": [0, 0, -1], "top": [3, 0, -1], "radius": 1, "capped": False}},
 }
 
 
-@pytest.fixture(scope="module")
-def edges() -> dict[str, Any]:
-    """The margins of each, alone; one more object, out of sight, lets all share a kernel."""
+def look_at_edge(name: str, by: float = 0, **settings: Any) -> dict[str, Any]:
+    """The channels of one of them alone, moved sideways; one more of each, out of sight, lets all share a kernel."""
     unseen = [{**shape, "transform": {"translate": [0, 0, 50]}} for shape in EDGES.values()]
-    return {
-        name: feeler.Scene(flat([shape, *unseen])).render(channels=["margin", "object"]).channels
-        for name, shape in EDGES.items()
-    }
+    shape = {**EDGES[name], "transform": {"translate": [by, 0, 0]}}
+    return feeler.Scene(flat([shape, *unseen])).render(channels=["margin", "object"], **settings).channels
 
 
 @pytest.mark.parametrize("name", EDGES)
-def test_margin_at_an_edge(edges: dict[str, Any], name: str) -> None:
+def test_margin_beside_an_edge(name: str) -> None:
+    """In proportion to how far the ray passes by, and alike on both sides."""
+    sides = [
+        [look_at_edge(name, sign * 2.0**-k, region=(15, 15, 16, 16))["margin"][0, 0] for k in (10, 14, 15, 16)]
+        for sign in (-1, 1)
+    ]
+    print(name, sides)
+    for far, *near in sides:
+        assert far == 16
+        assert near[0] / near[1] == pytest.approx(2, rel=0.2) and near[1] / near[2] == pytest.approx(2, rel=0.2)
+    assert sides[0][1:] == pytest.approx(sides[1][1:], rel=0.3)
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_margin_at_an_edge(name: str) -> None:
     """Edge or silhouette runs through the middle pixel's centre exactly: nobody can say what it shows."""
-    margin, number = edges[name]["margin"], edges[name]["object"]
+    found = look_at_edge(name)
+    margin, number = found["margin"], found["object"]
     assert margin[15, 15] < 1
     assert (number[15, :15] == -1).all() and (number[15, 16:24] == 0).all()
     assert (margin[15, :15] == 16).all() and (margin[15, 16:24] == 16).all()
@@ -254,6 +267,61 @@ def test_margin_of_light_and_shadow() -> None:
     above = feeler.Scene(flat([floor, lid], lights=[{"point": [1, 0, 4]}], **matte)).render(channels=["margin"])
     column = above.channels["margin"][15]
     assert column[7] < 1 and (np.delete(column, 7) == 16).all()
+
+
+def test_margin_of_a_filtered_shadow() -> None:
+    """Each surface that a feeler crosses counts, whatever else is crossed for certain."""
+    floor = {"polygon": {"corners": [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]}, "material": "matte"}
+    panes = [{"polygon": {"corners": [[x, -3, z], [3, -3, z], [3, 3, z], [x, 3, z]]}, "material": "pane"}
+             for x, z in ((0.25, 2), (-3, 3))]  # fmt: skip
+    materials = {"matte": {"diffuse": 0.5}, "pane": {"transmission": 0.5}}
+    scene = {**flat([floor, *panes], lights=[{"point": [1, 0, 4]}], materials=materials), "filtered_shadows": True}
+    scene["camera"] = {**scene["camera"], "eye": [0, 0, 1], "fov": float(np.degrees(2 * np.arctan(31 / 32)))}
+    column = feeler.Scene(scene).render(channels=["margin"]).channels["margin"][15]
+    assert column[7] < 1 and (np.delete(column, 7) == 16).all()
+
+
+def glass_below(normal: Any, ior: float, **keys: Any) -> dict[str, Any]:
+    """Half of space is glass, up to a plane through the origin; who is in it sees total reflection beyond the critical angle."""
+    glass = {"transmission": 0.5, "ior": ior}
+    return {"objects": [{"plane": {"normal": normal}, "material": glass}], "depth": 2, **keys}
+
+
+def test_margin_at_the_critical_angle() -> None:
+    """Index 5/4, sine 4/5: twelve pixels lie on the circle of total reflection, in whole numbers 9² + 12² = 15²."""
+    height = 45 / 64  # 3/4 of 15/16
+    fov = float(np.degrees(2 * np.arctan(31 / 32 / height)))
+    camera = {"eye": [0, 0, -height], "look_at": [0, 0, 0], "fov": fov}
+    scene = feeler.Scene(glass_below([0, 0, 1], 1.25, camera=camera, image={"size": [31, 31]}))
+    found = scene.render(channels=["margin", "rays"]).channels
+    place = np.arange(31) - 15
+    apart = place[:, None] ** 2 + place**2 - 15**2
+    assert (apart == 0).sum() == 12
+    assert (found["margin"][apart == 0] < 1).all()
+    assert (found["margin"][apart != 0] == 16).all()
+    assert np.array_equal(found["rays"][apart != 0], np.where(apart < 0, 2, 1)[apart != 0])
+
+
+def test_total_reflection_beyond_its_bound_is_right() -> None:
+    """Seen so closely that all pixels are near the critical angle: where the margin is above 1, float decides as double does."""
+    rng = np.random.default_rng(5)
+    wrong = near = 0
+    for _ in range(16):
+        normal, side, up = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        ior = rng.uniform(1.1, 2.4)
+        eye = -normal
+        ray = normal * np.sqrt(1 - 1 / ior**2) + side / ior
+        camera = {"eye": eye, "look_at": eye + ray, "up": up, "fov": float(np.degrees(2e-5))}
+        scene = feeler.Scene(glass_below(normal, ior, camera=camera, image={"size": [60, 60]}))
+        found = scene.render(channels=["margin", "rays"]).channels
+        exact = scene.render(channels=["rays"], level="reference").channels["rays"]
+        assert set(np.unique(exact)) == {1, 2}
+        margin, differs = found["margin"], found["rays"] != exact
+        assert not differs[margin > 1].any()
+        print("differ", differs.sum(), "greatest margin there", margin[differs].max(initial=0))
+        wrong += differs.sum()
+        near += ((margin > 1) & (margin < 16)).sum()
+    assert wrong > 20 and near > 1000
 
 
 KINDS = ("sphere", "triangle", "disc", "box", "cylinder", "cone", "polygon")

@@ -57,7 +57,7 @@ def picture() -> Any:
     return feeler.Scene(everything()).render().pixels
 
 
-def expect_alike(pixels: Any, expected: Any, bound: float = 2e-5) -> None:
+def expect_alike(pixels: Any, expected: Any, bound: float = 5e-6) -> None:
     """But for at most one pixel in a thousand: an edge may pass its centre on the other side."""
     difference = abs(pixels.astype(float) - expected).max(-1)
     print(
@@ -135,6 +135,19 @@ def test_pictures_with_axes_permuted(times: int, picture: Any) -> None:
     for _ in range(times):
         scene = changed(scene, turn, turn)
     expect_alike(feeler.Scene(scene).render().pixels, picture)
+
+
+def test_pictures_with_two_axes_swapped(picture: Any) -> None:
+    """That is seen in a mirror, which turns closed meshes inside out."""
+
+    def swap(a: Any) -> Any:
+        return a[..., [1, 0, 2]]
+
+    scene = changed(everything_said(), swap, swap)
+    for item in scene["objects"]:
+        if "mesh" in item:
+            item["mesh"]["triangles"] = [triangle[::-1] for triangle in item["mesh"]["triangles"]]
+    expect_alike(feeler.Scene(scene).render().pixels[:, ::-1], picture)
 
 
 @pytest.mark.parametrize("kind", ["box", "triangle"])
@@ -283,7 +296,7 @@ def test_rays_through_glass_find_back(kind: str, level: str) -> None:
     off = length(line - home * dot(line, home)[:, None]) / size
     typical = np.quantile(off[both], [0.5, 0.99])
     print(f"{kind}, {level}: {both.sum()} rays, off by {typical[0]:.1e}, 99 % within {typical[1]:.1e} sizes")
-    assert typical[1] < 3000 * UNIT[level]
+    assert typical[0] < 64 * UNIT[level] and typical[1] < 1500 * UNIT[level]
 
 
 # ---- energy

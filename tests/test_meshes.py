@@ -109,3 +109,14 @@ def test_small_things_scaled_by_a_power_of_two(small: float, radius: float) -> N
     for exponent in (-40, 40):
         pixels = feeler.Scene(tiny(small * 2.0**exponent, radius)).render().pixels
         assert same_bits(pixels, expected), f"{(pixels != expected).any(-1).sum()} pixels at 2^{exponent}"
+
+
+def test_normals_that_cancel() -> None:
+    """Halfway between opposite normals there is none: the triangle's own counts, and no pixel is without a number."""
+    corners, normals = [[0, 1, 0], [-2, -1, 0], [2, -1, 0]], [[1, 0, 0], [-1, 0, 0], [-1, 0, 0]]
+    image = render({
+        "camera": camera((0, 0, 4), fov=20), "image": {"size": (5, 5)}, "lights": [{"directional": [0, 0, -1]}],
+        "objects": [{"triangle": {"corners": corners, "normals": normals}, "material": {"diffuse": 0.75}}],
+    })  # fmt: skip
+    assert np.isfinite(image.pixels).all()
+    assert image.pixels[2, 2, 0] == 0.75

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import CONE, LEVELS, TRIANGLE, WAYS, Shapes, dot, leave, members
-from targets import FLAT, KINDS, Targets, aim, make_targets
+from shapes import CONE, LEVELS, TRIANGLE, UNIT, WAYS, Shapes, dot, leave, length, members
+from targets import FLAT, KINDS, SOLID, Targets, aim, make_targets
 
 EXITS = 4
 # Where a triangle's coordinates differ by sixteen orders of magnitude, float does not hold its normal to what its place asks for.
@@ -85,3 +85,33 @@ def test_a_tenth(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_as_many_as_pbrt(kind: str, level: str) -> None:
     ask_many(kind, level, COUNT, 2)
+
+
+@pytest.mark.parametrize("kind", sorted(SOLID - {"mesh"}))
+def test_rays_that_go_in_meet_the_other_side(kind: str) -> None:
+    """And not where they went in: they leave where they do in double, from the same start and the same shape. Those whose way
+    through is shorter than 1024 u of the shape's place and size are not asked.
+    """
+    rng = np.random.default_rng(3)
+    targets = make_targets(kind, "standard", 3)
+    few = targets.shapes
+    same = Shapes(few.kind, "reference", few.rows, few.low, few.high)
+    same.flags = few.flags
+    exact = Targets(same)
+    numbers = rng.integers(0, targets.count, BATCH)
+    ray = targets.ray(*aim(targets, rng, numbers, targets.point_on(rng, numbers)))
+    found, hit = targets.meet(ray, numbers)
+    found = np.flatnonzero(found)
+    numbers = numbers[found]
+    surface = targets.surface(members(ray, lambda a: a[found]), tuple(a[found] for a in hit), numbers)
+    inwards = -surface.normal.astype(float)
+    start = targets.spawn(surface, inwards)
+    inner = targets.ray(start, leave(rng, inwards))
+    there, far = exact.meet(exact.ray(start.astype(float), inner.direction.astype(float)), numbers)
+    asked = there & (far[0] > 1024 * UNIT["standard"] * (length(targets.middle) + targets.size)[numbers])
+    asked &= ~targets.passes_tip(inner, numbers)
+    again, other = targets.meet(inner, numbers)
+    assert asked.sum() > BATCH // 4
+    wrong = asked & ~(again & (abs(other[0] - far[0]) < far[0] / 2))
+    print(f"{kind}: {wrong.sum()} of {asked.sum()}")
+    assert not wrong.any()

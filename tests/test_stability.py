@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pictures import everything
 from stability import studies
-from stability.study import ROBUST, Study, broken_claims, kernel_options, run
+from stability.study import DOUBLE, ROBUST, Study, broken_claims, kernel_options, run
 
 import feeler
 
@@ -21,7 +21,8 @@ def test_a_row_of_the_catalogue(study: Study) -> None:
     curves = [curve for panel in result.panels for curve in panel.curves]
     assert any(curve.fails is not None for curve in curves), "no failure is shown"
     assert all(len(curve.values) == len(panel.x) for panel in result.panels for curve in panel.curves)
-    assert any(curve.kind == ROBUST for curve in curves)
+    assert any(curve.kind == ROBUST and curve.bound is not None for curve in curves)
+    assert any(curve.kind == DOUBLE for curve in curves)
 
 
 def test_every_row_is_here() -> None:

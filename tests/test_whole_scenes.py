@@ -62,6 +62,26 @@ def test_nor_in_double(description: dict[str, Any]) -> None:
     check(description, level="reference")
 
 
+@pytest.mark.slow
+@hypothesis.settings(max_examples=300, suppress_health_check=list(hypothesis.HealthCheck))
+@hypothesis.given(scenes())
+def test_nor_of_packets(description: dict[str, Any]) -> None:
+    check(description, samples=5)
+
+
+@pytest.mark.slow
+@hypothesis.settings(max_examples=200, suppress_health_check=list(hypothesis.HealthCheck))
+@hypothesis.given(scenes())
+def test_channels_are_numbers(description: dict[str, Any]) -> None:
+    scene = load(description)
+    found = scene.render(general=True, channels="all").channels
+    assert not any(np.isnan(plane).any() for plane in found.values())
+    assert np.isfinite(found["position"]).all() and (abs(found["normal"]) < 1.001).all() and (found["depth"] >= 0).all()
+    assert ((found["margin"] >= 0) & (found["margin"] <= 16)).all()
+    brute = scene.render(general=True, channels="all", brute_force=True).channels
+    assert all(same_bits(brute[name], plane) for name, plane in found.items())
+
+
 @hypothesis.settings(max_examples=3, phases=[hypothesis.Phase.generate])
 @hypothesis.given(scenes())
 def test_specialised_is_general(description: dict[str, Any]) -> None:

@@ -93,7 +93,7 @@ def rounding() -> list[Panel]:
                ("far as rounded, double", DOUBLE, "reference", "-DNAIVE_WIDEN", {}),
                ("far (1 + 2 γ₃), float", ROBUST, "standard", "", {"bound": 0})]  # fmt: skip
     return [
-        Panel("flat boxes that the exact ray meets", "thickness / distance", [f"{x:g}" for x in THICKNESSES], "boxes not met",
+        Panel("flat boxes that the exact ray meets", "thickness of a box that is met from 3 to 5 away", [f"{x:g}" for x in THICKNESSES], "boxes not met",
               [Curve(name, kind, [lost_flat_boxes(x, level, naive, tries) for x in THICKNESSES], **claim)
                for name, kind, level, naive, claim in methods], tries, x_log=False),
     ]  # fmt: skip

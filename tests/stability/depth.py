@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from shapes import UNIT
 
 import feeler
@@ -46,28 +47,48 @@ def series() -> list[Panel]:
     ]  # fmt: skip
 
 
-def slabs(depth: int, cutoff: float) -> int:
-    """Rays of one eye ray through many sheets that send half on and half back."""
-    sheet = {"emission": 0.1, "reflection": 0.5, "transmission": 0.5}
-    scene = feeler.Scene({
-        "camera": {"eye": [0, 0, 20.5], "look_at": [0, 0, 0]},
+SHEETS, ABOVE = 40, 20  # the eye looks down at the sheet of this number
+
+
+def see_sheets(share: float, depth: int, cutoff: float, level: str = "standard") -> feeler.Image:
+    """One eye ray on many parallel sheets that shine and send this share on and as much back."""
+    sheet = {"emission": 0.1, "reflection": share, "transmission": share}
+    return feeler.Scene({
+        "camera": {"eye": [0, 0, ABOVE + 0.5], "look_at": [0, 0, 0]},
         "image": {"size": [1, 1]},
-        "objects": [{"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": 100}, "material": sheet} for z in range(40)],
-    })  # fmt: skip
-    image = scene.render(depth=depth, cutoff=cutoff)
-    rays = image.stats["rays"]
-    return 1 + rays["reflection"] + rays["transmission"]
+        "objects": [{"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": 100}, "material": sheet} for z in range(SHEETS)],
+    }).render(depth=depth, cutoff=cutoff, level=level)  # fmt: skip
+
+
+def count_rays(*settings: Any) -> int:
+    rays = see_sheets(0.5, *settings).stats["rays"]
+    return int(1 + rays["reflection"] + rays["transmission"])
+
+
+def lack(share: float, *settings: Any) -> tuple[float, float]:
+    """What the picture lacks of what all rays would bring, and the bound that it states itself; both by the whole. From either
+    side, a sheet shows what it sends itself and this share of what its two neighbours show.
+    """
+    neighbours = np.eye(SHEETS, k=1) + np.eye(SHEETS, k=-1)
+    exact = np.linalg.solve(np.eye(SHEETS) - share * neighbours, np.full(SHEETS, 0.1))[ABOVE]
+    image = see_sheets(share, *settings)
+    return float(abs(image.pixels[0, 0, 0] - exact) / exact), image.stats["truncation_bound"] / exact
 
 
 def trees() -> list[Panel]:
-    naive = [slabs(d, 0) for d in DEPTHS]
-    robust = [slabs(d, CUTOFF) for d in DEPTHS]
+    all_rays = [2**d - 1 for d in DEPTHS]
+    pruned = [lack(0.45, d, CUTOFF) for d in DEPTHS]
     return [
         Panel("half reflected, half transmitted, at every surface", "greatest depth", DEPTHS, "rays of one eye ray", [
-            Curve("depth alone", NAIVE, naive, [2**d - 1 for d in DEPTHS], 2 ** DEPTHS[-1] / 4),
-            Curve("weight at least 1/256", ROBUST, robust, 2**9),
-            Curve("2ᵈ − 1", OTHER, [2**d - 1 for d in DEPTHS]),
+            Curve("depth alone, float", NAIVE, [count_rays(d, 0) for d in DEPTHS], all_rays, 2 ** DEPTHS[-1] / 4),
+            Curve("depth alone, double", DOUBLE, [count_rays(d, 0, "reference") for d in DEPTHS], all_rays),
+            Curve("weight at least 1/256, float", ROBUST, [count_rays(d, CUTOFF) for d in DEPTHS], 2**9),
+            Curve("2ᵈ − 1", OTHER, all_rays),
         ], x_log=False),
+        Panel("shares of 0.45: what is left out", "greatest depth", DEPTHS, "relative error", [
+            Curve("depth alone, float", NAIVE, [lack(0.45, d, 0)[0] for d in DEPTHS], fails=0.8),
+            Curve("weight at least 1/256, float", ROBUST, [e for e, _ in pruned], [b + 256 * UNIT["standard"] for _, b in pruned]),
+        ], x_log=False, y_log=False),
     ]  # fmt: skip
 
 

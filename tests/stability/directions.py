@@ -10,7 +10,7 @@ from shapes import REAL, UNIT, dot, length, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, NAIVE, ROBUST, Cost, Curve, Panel, Study
+from .study import DOUBLE, LANES, NAIVE, ROBUST, Cost, Curve, Panel, Study
 
 OPTICS = only("REFLECTION", "TRANSMISSION", "PRIORITY")
 
@@ -218,11 +218,22 @@ def pairs(rng: np.random.Generator, count: int) -> list[Any]:
 
 REFRACT_CODE = "const refraction t = refract(IN3(0), IN3(3), splat(1.0f / 1.5f)); OUT = t.direction.x + t.direction.y + t.direction.z;"
 REFLECT_CODE = "const vectors r = reflect(IN3(0), IN3(3)); OUT = r.x + r.y + r.z;"
+# Of two materials, one of which may be around.
+MEDIA_CODE = """
+scene s;
+s.materials = (global const material *)in;
+media m = no_media();
+m.material[0] = IN(0) > R(0.5) ? whole(0) : whole(-1);
+const boundary b = cross_boundary(&s, &m, IN(1) > R(0.5) ? whole(0) : whole(1), IN(2) > R(0.5));
+OUT = b.visible ? b.eta + TO_REALS(b.behind.material[0] + b.behind.material[1]) : splat(0);
+"""
 ABOVE_CODE = "const vectors r = keep_above(reflect(IN3(0), IN3(3)), IN3(3)); OUT = r.x + r.y + r.z;"
 STUDIES = [
     Study(16, "critical angle", "Snell's law in extended precision", critical_angle,
           Cost("one refraction", "-DNAIVE_TIR", REFRACT_CODE, pairs)),
-    Study(17, "media in media", "n sin θ is the same in parallel layers", nested_media),
+    Study(17, "media in media", "n sin θ is the same in parallel layers", nested_media,
+          Cost("one boundary", "-DNAIVE_MEDIA", MEDIA_CODE,
+               lambda rng, n: rng.uniform(0, 1, (3, n // LANES)).repeat(LANES, 1), ("TRANSMISSION", "PRIORITY"))),
     Study(20, "directions that drift", "reflections in extended precision", bounces,
           Cost("one reflection", "-DNAIVE_NORMALISE", REFLECT_CODE, pairs)),
     Study(23, "reflection below the surface", "n_g · r > 0", below,
