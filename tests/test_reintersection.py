@@ -58,10 +58,14 @@ def ask_many(kind: str, level: str, count: int, seed: int) -> None:
 
 def test_corners_that_rounding_puts_in_line_have_a_normal() -> None:
     """The full suite found this one: what rounding leaves no area to is seen as facing the ray."""
-    corners = np.array([[-34.97986, 46636456, -18024806], [-35.02362, 46636456, -18024806], [-34.996513, 46636456, -18024806]])
+    corners = np.array(
+        [[-34.97986, 46636456, -18024806], [-35.02362, 46636456, -18024806], [-34.996513, 46636456, -18024806]]
+    )
     targets = Targets(Shapes(TRIANGLE, "standard", points=corners[None]))
     ray = targets.ray(np.array([[-365.08899, 46636436, -18024800]]), np.array([[0.99800533, 0.06046742, -0.01814022]]))
-    surface = targets.surface(ray, (np.float32([330.75665]), np.int32([0]), *np.float32([[0.0146], [0.6959]])), np.array([0]))
+    surface = targets.surface(
+        ray, (np.float32([330.75665]), np.int32([0]), *np.float32([[0.0146], [0.6959]])), np.array([0])
+    )
     assert (surface.normal == -ray.direction).all() and (surface.shading == -ray.direction).all()
 
 
