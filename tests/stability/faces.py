@@ -106,7 +106,7 @@ def lost(at: str, level: str, naive: str) -> list[float]:
 def mesh_panels(methods: list[tuple[str, str, str, str]], least: float | None) -> list[Panel]:
     """Naive methods lose at least this share of the rays through vertices."""
     naive = {"edge": {"fails": 0.01}, "vertex": {"fails": least}}
-    claims: dict[str, Any] = {at: {NAIVE: naive[at], ROBUST: {"bound": 0}} for at in naive}
+    claims: dict[str, Any] = {at: {NAIVE: naive[at], ROBUST: {"bound": 0}, OTHER: {"bound": 0}} for at in naive}
     return [
         Panel(f"rays from within a closed mesh through {where}", "distance of the mesh from 0 / radius",
               CENTRES, "rays that leave without a hit",
