@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NOTE_ARRAYS = 6 };
+enum { NOTE_ARRAYS = 6, MOST_RAYS = 50000 /* nobody reads more, and they double with every level of depth */ };
 
 /* In the order of record_pixel's parameters; two to each of `count`. */
 static const struct {
@@ -120,6 +120,12 @@ int take_notes(const job *j, notes *n, feeler_error *error) {
             result = launch_notes(j, buffers, NOTE_ARRAYS, room, counts, error);
         if (result == 0)
             result = read_buffer(j, counts, &n->count, sizeof n->count, error);
+        if (result == 0 && n->count.x > MOST_RAYS)
+            result =
+                fail(error, FEELER_BAD_USAGE,
+                     "the pixel has %u rays, at most %d can be told: less depth, a greater cutoff or fewer samples "
+                     "make it fewer",
+                     (unsigned)n->count.x, MOST_RAYS);
         fits = n->count.x <= room.x && n->count.y <= room.y && n->count.z <= room.z;
         room = n->count;
     } while (result == 0 && !fits);

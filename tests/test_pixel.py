@@ -379,6 +379,15 @@ def test_bad_calls(cli: Any, scene_file: Path, name: str) -> None:
     assert done.returncode == code and message in done.stderr and done.stdout == ""
 
 
+def test_too_many_rays() -> None:
+    """Each meets the next shell, and sends two on: 15 for each of 4096 samples."""
+    shells = [{"sphere": {"radius": radius}, "material": "glass"} for radius in range(1, 6)]
+    with pytest.raises(feeler.Error, match="the pixel has 61440 rays, at most 50000 can be told: less depth") as caught:
+        look({"materials": GLASS, "objects": shells}, (0, 0, 0), (0, 0, -1), samples=4096)
+    assert caught.value.kind == "bad usage"
+    assert len(all_rays(pixel({"materials": GLASS, "objects": shells}, (0, 0, 0), (0, 0, -1)))) == 15
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"), [((-1, 0), "x is a whole"), ((0.5, 0), "x is a whole"), ((0, 3), "not in the")]
 )
