@@ -188,6 +188,12 @@ def test_methods(measured: Any) -> None:
     assert "FEELER_TUNED" not in os.environ
 
 
+def test_needs_are_features() -> None:
+    needs = {name for method in sweep.METHODS.values() for name in method.needs}
+    assert {"tree", "shadows", "triangle"} <= needs
+    assert all(f"-DHAS_{name.upper()}=1" in feeler.kernel_options() for name in needs)
+
+
 def test_the_truth(measured: Any) -> None:
     """The noise is that of the mean of both: half of what lies between them."""
     truth = measured[0].truth

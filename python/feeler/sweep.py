@@ -56,7 +56,7 @@ METHODS: dict[str, Method] = {
     "naive cone": Method(build="-DNAIVE_CONE", needs=("cone",)),
     "Möller–Trumbore": Method(build="-DNAIVE_TRIANGLE", needs=("triangle",)),
     "plain edges": Method(build="-DNAIVE_EDGES", needs=("triangle",)),
-    "fixed offset": Method(build="-DNAIVE_OFFSET=1e-4"),
+    "fixed offset": Method(build="-DNAIVE_OFFSET=1e-4", needs=("shadows", "reflection", "transmission")),
     "library's pow": Method(build="-DNAIVE_POW", needs=("specular", "specular_transmission")),
 }
 
