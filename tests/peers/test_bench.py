@@ -103,6 +103,7 @@ def test_chart(tmp_path: Path) -> None:
 
 
 @pytest.mark.peers
+@pytest.mark.usefixtures("spd")
 def test_the_program_runs(root: Path, program: Path, tmp_path: Path) -> None:
     out = tmp_path / "bench.json"
     command = [sys.executable, root / "tests" / "peers" / "bench.py", "--quick", "--repeat", "1", "--row", "start"]
