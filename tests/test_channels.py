@@ -142,6 +142,14 @@ def test_interrupted() -> None:
     assert (image.channels["object"][undone] == -1).all() and np.isinf(image.channels["depth"][undone]).all()
 
 
+def test_build_options_of_any_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a user adds drops none of those that the kernels need."""
+    monkeypatch.setenv("FEELER_KERNEL_OPTIONS", " ".join(f"-DUNUSED_{i}" for i in range(500)))
+    scene = feeler.Scene({"camera": {"eye": [0, 0, 4], "look_at": [0, 0, 0]}, "image": {"size": [3, 3]}, "objects": [
+        {"plane": {"normal": [0, 0, 1]}}]})  # fmt: skip
+    assert scene.render(channels=["depth"]).channels["depth"][1, 1] == 4
+
+
 # ---- files
 
 
