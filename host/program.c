@@ -117,17 +117,23 @@ static bool rounds_correctly(const feeler_device *device) {
 }
 
 static cl_program build(const feeler_device *device, const char *options, feeler_error *error) {
+    static const char rounded[] = " -cl-fp32-correctly-rounded-divide-sqrt";
     cl_int status;
     const char *source = feeler_kernel_source();
+    char *exact = malloc(strlen(options) + sizeof rounded);
+    if (!exact) {
+        fail(error, FEELER_OUT_OF_MEMORY, "out of memory for the kernel's options");
+        return NULL;
+    }
+    strcat(strcpy(exact, options), rounds_correctly(device) ? rounded : "");
     cl_program program = clCreateProgramWithSource(device->context, 1, &source, NULL, &status);
     if (status != CL_SUCCESS) {
         fail_cl(error, "clCreateProgramWithSource", status);
+        free(exact);
         return NULL;
     }
-    char exact[4096];
-    snprintf(exact, sizeof exact, "%s%s", options,
-             rounds_correctly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
     status = clBuildProgram(program, 1, &device->id, exact, NULL, NULL);
+    free(exact);
     if (status == CL_SUCCESS)
         return program;
     fail_build(error, program, device->id, status);

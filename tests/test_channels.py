@@ -142,6 +142,14 @@ def test_interrupted() -> None:
     assert (image.channels["object"][undone] == -1).all() and np.isinf(image.channels["depth"][undone]).all()
 
 
+def test_build_options_of_any_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a user adds drops none of those that the kernels need."""
+    monkeypatch.setenv("FEELER_KERNEL_OPTIONS", " ".join(f"-DUNUSED_{i}" for i in range(500)))
+    scene = feeler.Scene({"camera": {"eye": [0, 0, 4], "look_at": [0, 0, 0]}, "image": {"size": [3, 3]}, "objects": [
+        {"plane": {"normal": [0, 0, 1]}}]})  # fmt: skip
+    assert scene.render(channels=["depth"]).channels["depth"][1, 1] == 4
+
+
 # ---- files
 
 
@@ -261,8 +269,10 @@ def test_margin_of_light_and_shadow() -> None:
     floor = {"polygon": {"corners": [[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]]}, "material": "matte"}
     lid = {"polygon": {"corners": [[0.25, -3, 2], [3, -3, 2], [3, 3, 2], [0.25, 3, 2]]}, "material": "matte"}
     matte = {"materials": {"matte": {"diffuse": 0.5}}}
-    beside = feeler.Scene(flat([floor], lights=[{"point": [9, 0, 0]}], **matte)).render(channels=["margin"])
-    assert (beside.channels["margin"] < 1).all()
+    for matter in ("diffuse", "diffuse_transmission"):
+        thin = {"materials": {"matte": {matter: 0.5}}}
+        beside = feeler.Scene(flat([floor], lights=[{"point": [9, 0, 0]}], **thin)).render(channels=["margin"])
+        assert (beside.channels["margin"] < 1).all(), matter
     # From the light past the lid's edge, at x = 1/4, down to x = -1/2: exactly a pixel's centre.
     above = feeler.Scene(flat([floor, lid], lights=[{"point": [1, 0, 4]}], **matte)).render(channels=["margin"])
     column = above.channels["margin"][15]
