@@ -38,7 +38,7 @@ GROUPS = [
 # What takes longest and says least that nothing shorter says: for `make test-long`.
 LONG = [
     "test_accuracy.py::test_methods",
-    "test_channels.py::test_margins_do_not_depend_on_the_tree",
+    "test_margin.py::test_margins_do_not_depend_on_the_tree",
     "test_cli_pictures.py::test_discarded_weight_shrinks_with_depth",
     "test_counting.py::test_steps_are_counted[1]",
     "test_guarantees.py::test_rays_through_glass_find_back[box-reference]",
