@@ -125,10 +125,8 @@ class Targets:
             return surface.normal.astype(float)
         return cone_normal(self.shapes.rows[numbers], surface.point.astype(float))
 
-    def passes_tip(self, ray: Any, numbers: Any, far: float = 0.0) -> Any:
-        """Whether rays pass a cone's tip within 256 u of its size, and `far` times how far away it is: there, where sides
-        meet, both crossings are one.
-        """
+    def passes_tip(self, ray: Any, numbers: Any) -> Any:
+        """Whether rays pass a cone's tip within 256 u of its size: there, where sides meet, both crossings are one."""
         if self.shapes.kind != CONE:
             return numbers < 0
         rows = self.shapes.rows[numbers]
@@ -137,7 +135,7 @@ class Targets:
         way = tip - origin
         off = length(way - direction * dot(way, direction)[:, None])
         size = (self.shapes.high - self.shapes.low).max(1)[numbers] + (0 if self.options == SHAPES else length(tip))
-        return (rows[:, 15] == 0) & (off < 256 * UNIT[self.level] * size + far * length(way))
+        return (rows[:, 15] == 0) & (off < 256 * UNIT[self.level] * size)
 
     def inwards(self, ray: Any, numbers: Any) -> tuple[Any, Any]:
         return ray.origin.astype(float), ray.direction.astype(float)

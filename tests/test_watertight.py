@@ -206,38 +206,41 @@ def decide_triangle(o: Any, d: Any, corners: Any, k: float) -> tuple[Any, Any]:
 
 
 def decide_cone(o: Any, d: Any, rows: Any, k: float) -> tuple[Any, Any]:
-    """For the side a little wider and narrower, the ends a little farther out and in. Undecided where that is no little to its
-    size, where a ray grazes it, and from farther than 100 sizes where it narrows: what the crossings of a ray that runs nearly
-    along its side err by grows with the square of the distance.
+    """For the side a little wider and narrower, the ends a little farther out and in. A crossing's place along the ray errs by
+    what its quadratic's coefficients do over the root: nearly along the side, and near a tip, that may be far. Undecided
+    where the bound is no little to the cone's size, and where a ray grazes it.
     """
     p, e = (np.stack([dot(a, rows[:, i : i + 3]) for i in (4, 8, 12)], 1) for a in (o - rows[:, :3], d))
     slope, height = rows[:, 11], rows[:, 7]
     slack = k * (length(p) + rows[:, 3] + rows[:, 15] + height)
-    w = slope * e[:, 2]
+    w, steps, out = slope * e[:, 2], np.hypot(e[:, 0], e[:, 1]), np.hypot(p[:, 0], p[:, 1])
     surely, crosses = np.ones(len(o), bool), []
     first, last = ([np.full(len(o), x) for _ in range(2)] for x in (np.inf, -np.inf))  # heights of both crossings
     for sign in (-1, 0, 1):
         radius = rows[:, 3] + slope * p[:, 2] + sign * slack * np.sqrt(1 + slope**2)
-        a = e[:, 0] ** 2 + e[:, 1] ** 2 - w**2
+        a = steps**2 - w**2
         b = -(p[:, 0] * e[:, 0] + p[:, 1] * e[:, 1] - radius * w)
-        c = np.hypot(p[:, 0], p[:, 1]) ** 2 - radius**2
+        c = out**2 - radius**2
         s, t = radius * e[:, 0] - p[:, 0] * w, radius * e[:, 1] - p[:, 1] * w
         square = s * s + t * t - (p[:, 0] * e[:, 1] - p[:, 1] * e[:, 0]) ** 2
         inner = np.zeros(len(o), bool)
         with np.errstate(all="ignore"):
-            q = b + np.copysign(np.sqrt(np.maximum(square, 0)), b)
+            way = np.sqrt(np.maximum(square, 0))
+            q = b + np.copysign(way, b)
             for i, root in enumerate((c / q, q / a)):
                 z = p[:, 2] + root * e[:, 2]
+                of = ((steps * root) ** 2 + 2 * abs(root) * steps * out + out**2) + (abs(radius) + abs(root * w)) ** 2
+                off = k * of / way * abs(e[:, 2])
                 real = (square >= 0) & np.isfinite(root)
-                inner |= real & (root > slack) & (z > slack) & (z < height - slack)
-                first[i] = np.where(real & (root > -slack), np.minimum(first[i], z), first[i])
-                last[i] = np.where(real & (root > -slack), np.maximum(last[i], z), last[i])
+                off = np.where(np.isnan(off), np.inf, off)
+                inner |= real & (root > slack) & (z > slack + off) & (z < height - slack - off)
+                first[i] = np.where(real & (root > -slack), np.minimum(first[i], z - off), first[i])
+                last[i] = np.where(real & (root > -slack), np.maximum(last[i], z + off), last[i])
         surely &= inner
         crosses.append(square >= 0)
     grazes = np.any(crosses, 0) & ~np.all(crosses, 0)
     maybe = grazes | np.any([(a < height + slack) & (b > -slack) for a, b in zip(first, last, strict=True)], 0)
-    size = np.minimum(height, np.maximum(rows[:, 3], rows[:, 15]))
-    coarse = (8 * slack > size) | ((slope != 0) & (length(p) > 100 * size))
+    coarse = 8 * slack > np.minimum(height, np.maximum(rows[:, 3], rows[:, 15]))
     return surely & ~coarse, maybe | coarse
 
 
@@ -254,9 +257,7 @@ def decide(targets: Targets, ray: Any, numbers: Any) -> tuple[Any, Any]:
     if name == "disc":
         return decide_disc(o, d, rows, k)
     if name == "cone":
-        surely, maybe = decide_cone(o, d, rows, k)
-        tip = targets.passes_tip(ray, numbers, 128 * k)
-        return surely & ~tip, maybe | tip
+        return decide_cone(o, d, rows, k)
     surely, maybe, _ = decide_plane(o, d, rows, WITHIN["plane"] * UNIT[level])
     if name == "polygon":
         inside, perhaps = decide_edges(o, d, corners, k)
