@@ -9,10 +9,18 @@ ints is_left(vectors p, vectors q, reals e) {
 }
 
 // The normal of a counter-clockwise triangle, of some length. Edges are divided by their largest component first: their
-// product must not leave the range of numbers.
+// product must not leave the range of numbers. Where the first corner is so far from the others that both edges to it are one, the third edge
+// still tells.
 vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
     const vectors a = sub(v1, v0), b = sub(v2, v0);
-    return cross3(scale(a, splat(1) / largest(absolute(a))), scale(b, splat(1) / largest(absolute(b))));
+    const vectors along_a = scale(a, splat(1) / largest(absolute(a)));
+    vectors n = cross3(along_a, scale(b, splat(1) / largest(absolute(b))));
+    const ints lost = dot3(n, n) == splat(0);
+    if (any_lane(lost)) {
+        const vectors c = sub(v2, v1);
+        n = choose(lost, cross3(along_a, scale(c, splat(1) / largest(absolute(c)))), n);
+    }
+    return n;
 }
 
 // Whether the triangle's plane is ahead of the origin, by the corner that tells best. The distance, in which the corners'

@@ -257,6 +257,17 @@ def test_a_needle_is_hit_only_within_its_box(way: str) -> None:
     assert within.all(1)[found].all()
 
 
+def test_a_corner_far_from_the_others() -> None:
+    """So far that the edges to it are one in float: the third edge tells the normal."""
+    corners = np.array([[178.8, 10310265, -165879], [0, 0.16, 0], [-2e-6, -0.014, 1.5e-4]]).astype(np.float32)
+    exact = corners.astype(np.longdouble)
+    normal = unit(np.cross(exact[1] - exact[0], exact[2] - exact[0])[None])[0]
+    for first in range(3):
+        ray = feeler.probe("make_ray", [0, 0, 1], [0, 0, -1.0], options=SHAPES)
+        s = feeler.probe("surface_triangle", ray, *np.roll(corners, first, 0), 0.25, 0.25, options=SHAPES)
+        assert abs(s.normal - normal).max() < 8 * UNIT["standard"], first
+
+
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("step", [4e-5, 1e-5, 2e-6])
 def test_a_thin_layer_is_met(step: float, way: str) -> None:
