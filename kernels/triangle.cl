@@ -9,8 +9,8 @@ ints is_left(vectors p, vectors q, reals e) {
 }
 
 // The normal of a counter-clockwise triangle, of some length. Edges are divided by their largest component first: their
-// product must not leave the range of numbers. Where the first corner is so far from the others that both edges to it are one, the third edge
-// still tells.
+// product must not leave the range of numbers. Where the first corner is so far from the others that both edges to it are
+// one, the third edge still tells.
 vectors triangle_normal(vectors v0, vectors v1, vectors v2) {
     const vectors a = sub(v1, v0), b = sub(v2, v0);
     const vectors along_a = scale(a, splat(1) / largest(absolute(a)));
