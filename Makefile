@@ -44,7 +44,7 @@ $(BUILD)/libfeeler.so: $(LIB_OBJECTS)
 	$(CC) -shared -pthread $(LDFLAGS) -Wl,-z,nodelete -o $@ $^ $(LDLIBS)
 
 # What reads and writes pictures, with OpenImageIO, is loaded when it is needed: see host/image_plugin.c.
-$(BUILD)/libfeeler-image.so: $(addprefix $(BUILD)/,image_read.o image_write.o channels.o error.o)
+$(BUILD)/libfeeler-image.so: $(addprefix $(BUILD)/,image_io.o channels.o error.o)
 	$(CXX) -shared -pthread $(LDFLAGS) -o $@ $^ -lOpenImageIO -lOpenImageIO_Util
 
 # The program uses internal headers' functions never: only what the library exports.

@@ -52,7 +52,7 @@ feeler_image *image_new(int width, int height, feeler_error *error);
 
 /* 0, or -1 when it is known that no picture can be written. `path` begins the message. */
 int image_io_known(const char *path, feeler_error *error);
-/* image_write.cpp, with image_read.cpp in a library of its own (image_plugin.c). Writes the whole file under exactly this
+/* image_io.cpp, in a library of its own (image_plugin.c). Writes the whole file under exactly this
  * name, in the format that `format_name` ("x.exr" or only the ending) tells. */
 int image_io_write(const feeler_image *image, const char *path, const char *format_name,
                    const feeler_save_options *options, feeler_error *error);
