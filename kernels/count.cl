@@ -6,8 +6,8 @@
 #ifndef TRAVERSALS // 2: every traversal twice, so that the difference is its time
 #define TRAVERSALS 1
 #endif
-#ifndef OVERLOOKS // 0: pixels whose rays can meet nothing send them all the same
-#define OVERLOOKS 1
+#ifndef SEND_ALL // 1: pixels whose rays can meet nothing send them all the same
+#define SEND_ALL 0
 #endif
 
 #define COUNT_LONE 0     // one ray's ways

@@ -38,7 +38,7 @@ INLINE packet make_packet(global const view *camera, global const int *eye_media
 // The trees of the rays through the pixels from (x, y) on, packet after packet.
 INLINE tree_sum trace_pixels(const scene *s, global const view *camera, global const int *eye_media,
                              const launch *frame, uint x, uint y) {
-    const bool nothing = OVERLOOKS && !RECORD && sees_nothing(s, camera, frame->frame, x, y);
+    const bool nothing = !(RECORD | SEND_ALL) && sees_nothing(s, camera, frame->frame, x, y);
     tree_sum parts[PACKETS];
     uint packets = 0;
     do {

@@ -38,7 +38,7 @@ FOUND = (False, True)  # whether a ray finds something
 LONE, NODES, CHILDREN, BEAMS, BOXES, TESTS, ERRANDS = 0, 1, 2, 4, 5, 6, 7
 KINDS = {"sphere": 0, "triangle": 4, "polygon": 5}
 ROWS = {"sphere": 10, "triangle": 9, "polygon": 6}
-EACH_ITS_WAY = "-DOVERLOOKS=0 -DFANS=0"
+EACH_ITS_WAY = "-DSEND_ALL=1 -DFANS=0"
 
 
 def tried(kind: str, together: bool) -> int:
