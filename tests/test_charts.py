@@ -109,6 +109,32 @@ def test_files(tmp_path: Path) -> None:
     assert (tmp_path / "chart.v1.svg").read_bytes() == first, "the same results make the same file"
 
 
+def test_a_failure_keeps_the_old_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half a chart never takes a whole one's place."""
+
+    def save_half(figure: Any, file: Path, **_: Any) -> None:
+        file.write_text("half")
+        raise OSError(28, "No space left on device", str(file))
+
+    charts.work_groups(SWEEP, save=tmp_path / "chart")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", save_half)
+    with pytest.raises(OSError, match="No space") as failure:
+        charts.work_groups(SWEEP, save=tmp_path / "chart")
+    assert failure.value.filename == str(tmp_path / "chart.png")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_links_and_modes_stay(tmp_path: Path) -> None:
+    whole, link = tmp_path / "whole.svg", tmp_path / "chart.svg"
+    whole.touch(mode=0o640)
+    link.symlink_to(whole)
+    charts.work_groups(SWEEP, save=tmp_path / "chart")
+    assert link.is_symlink()
+    assert whole.stat().st_size > 0
+    assert whole.stat().st_mode & 0o777 == 0o640
+
+
 def test_what_bench_writes(cli: Any, tmp_path: Path) -> None:
     scene = write_spheres(tmp_path / "spheres.nff", (32, 24))
     done = cli("bench", scene, "--repeat", "2", "--work-groups", "2x2,100000x1", "--json", "a.json")

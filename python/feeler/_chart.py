@@ -15,6 +15,7 @@ from typing import Any
 
 from . import charts, specialisation, sweep
 from ._library import BAD_USAGE, IO, Error
+from ._replacement import write_text
 from .accuracy import PARTS, Accuracy
 from .scene import Scene, load
 
@@ -126,7 +127,7 @@ def _bases(out: str | None, names: Sequence[str], default: str) -> list[str]:
 
 def _write(base: str, as_json: str, as_csv: str) -> None:
     for ending, text in ((".json", as_json), (".csv", as_csv)):
-        Path(base + ending).write_text(text, encoding="utf-8")
+        write_text(base + ending, text)
 
 
 # ---- what is said ----

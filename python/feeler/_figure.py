@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ._replacement import replacement
+
 try:
     import matplotlib
     from matplotlib.figure import Figure
@@ -34,8 +36,10 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> None:
         base = base.with_suffix("")
     # The same results make the same file: no date, and names that do not hang on chance.
     with matplotlib.rc_context({"svg.hashsalt": "feeler", "svg.fonttype": "none"}):
-        figure.savefig(base.with_name(f"{base.name}.png"), dpi=110)
-        figure.savefig(base.with_name(f"{base.name}.svg"), metadata={"Date": None})
+        with replacement(base.with_name(f"{base.name}.png")) as file:
+            figure.savefig(file, format="png", dpi=110)
+        with replacement(base.with_name(f"{base.name}.svg")) as file:
+            figure.savefig(file, format="svg", metadata={"Date": None})
 
 
 def number(value: float) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ._library import Error, call, lib, take_text
+from ._replacement import write_text
 
 
 class Pixel:
@@ -43,7 +44,7 @@ class Pixel:
         if Path(path).suffix.lower() != ".svg":
             raise Error(f"the drawing of a pixel is an .svg file, not {os.fspath(path)!r}")
         try:
-            Path(path).write_text(self.svg, encoding="utf-8")
+            write_text(path, self.svg)
         except OSError as error:
             raise Error(f"cannot be written: {error.strerror}", source=os.fspath(path)) from None
 
