@@ -27,6 +27,18 @@ def test_a_row_of_the_catalogue(study: Study) -> None:
 
 def test_every_row_is_here() -> None:
     assert {study.row for study in studies()} == set(range(1, 27))
+    assert {study.row for study in studies() if study.cost} == set(range(1, 27))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", [12, 18, 19])
+def test_costs(row: int) -> None:
+    """Of a function, and of pictures: many mirrors more cost more than twice, and pruned trees less than half."""
+    cost = next(study.cost for study in studies() if study.row == row and study.cost)
+    found = cost.measure()
+    assert 0 < found["low"] <= found["ratio"] <= found["high"]
+    assert found["ratio"] == pytest.approx(found["robust_ns"] / found["naive_ns"], rel=0.5)
+    assert row == 12 or (found["ratio"] > 2) == (row == 18) == (found["ratio"] > 0.5)
 
 
 @pytest.mark.slow

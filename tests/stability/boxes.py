@@ -9,7 +9,9 @@ from shapes import REAL, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, NAIVE, OTHER, ROBUST, Cost, Curve, Panel, Study
+from .cost import Cost
+from .faces import CLAMP
+from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
 
 BOXES = only("TRANSMISSION", "BOX", "TRIANGLE")
 
@@ -158,5 +160,5 @@ STUDIES = [
           Cost("a ray's reciprocals and one box", "-DNAIVE_SLAB", BOX_CODE, box_inputs)),
     Study(7, "rounded slabs", "the intervals in extended precision", rounding,
           Cost("a ray's reciprocals and one box", "-DNAIVE_WIDEN", BOX_CODE, box_inputs)),
-    Study(26, "hits before their own box", "the box's own interval", own_boxes),
+    Study(26, "hits before their own box", "the box's own interval", own_boxes, CLAMP),
 ]  # fmt: skip

@@ -9,6 +9,7 @@ from shapes import UNIT
 
 import feeler
 
+from .cost import PictureCost
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
 
 SHARES = [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99]
@@ -16,17 +17,21 @@ DEPTHS = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14]
 CUTOFF = 1 / 256
 
 
-def mirrors(share: float, **settings: Any) -> tuple[float, float]:
-    """The relative error of what is seen between two parallel mirrors that shine, against the geometric series; and the bound
-    that the render itself states, by the same.
-    """
+def see_mirrors(share: float, **settings: Any) -> feeler.Image:
+    """The view square at one of two parallel mirrors that shine."""
     mirror = {"emission": 1, "reflection": share}
-    scene = feeler.Scene({
+    return feeler.Scene({
         "camera": {"eye": [0, 0, 0.5], "look_at": [0, 0, 0]},
         "image": {"size": [1, 1]},
         "objects": [{"plane": {"point": [0, 0, z], "normal": [0, 0, 1 - 2 * z]}, "material": mirror} for z in (0, 1)],
-    })  # fmt: skip
-    image = scene.render(**settings)
+    }).render(**settings)  # fmt: skip
+
+
+def mirrors(share: float, **settings: Any) -> tuple[float, float]:
+    """The relative error of what is seen there, against the geometric series; and the bound that the render itself states, by
+    the same.
+    """
+    image = see_mirrors(share, **settings)
     exact = 1 / (1 - share)  # the sum's own rounding is beside the bound: u for each of up to 256 terms
     bound = image.stats["truncation_bound"]
     return float(abs(image.pixels[0, 0, 0] - exact) / exact), (float("inf") if bound is None else bound) / exact
@@ -50,14 +55,14 @@ def series() -> list[Panel]:
 SHEETS, ABOVE = 40, 20  # the eye looks down at the sheet of this number
 
 
-def see_sheets(share: float, depth: int, cutoff: float, level: str = "standard") -> feeler.Image:
+def see_sheets(share: float, depth: int, cutoff: float, level: str = "standard", **settings: Any) -> feeler.Image:
     """One eye ray on many parallel sheets that shine and send this share on and as much back."""
     sheet = {"emission": 0.1, "reflection": share, "transmission": share}
     return feeler.Scene({
         "camera": {"eye": [0, 0, ABOVE + 0.5], "look_at": [0, 0, 0]},
         "image": {"size": [1, 1]},
         "objects": [{"disc": {"centre": [0, 0, z], "normal": [0, 0, 1], "radius": 100}, "material": sheet} for z in range(SHEETS)],
-    }).render(depth=depth, cutoff=cutoff, level=level)  # fmt: skip
+    }).render(depth=depth, cutoff=cutoff, level=level, **settings)  # fmt: skip
 
 
 def count_rays(*settings: Any) -> int:
@@ -93,6 +98,10 @@ def trees() -> list[Panel]:
 
 
 STUDIES = [
-    Study(18, "depth between mirrors", "the geometric series", series, slow=True),
-    Study(19, "trees of rays", "2ᵈ − 1; what is pruned is bounded by its weight", trees, slow=True),
+    Study(18, "depth between mirrors", "the geometric series", series,
+          PictureCost("a picture between mirrors of 0.9", lambda: see_mirrors(0.9, depth=256, cutoff=0.01, size=(128, 128)),
+                      lambda: see_mirrors(0.9, depth=5, size=(128, 128))), slow=True),
+    Study(19, "trees of rays", "2ᵈ − 1; what is pruned is bounded by its weight", trees,
+          PictureCost("a picture of half-mirrors, depth 14", lambda: see_sheets(0.5, 14, CUTOFF, size=(16, 16)),
+                      lambda: see_sheets(0.5, 14, 0, size=(16, 16))), slow=True),
 ]  # fmt: skip

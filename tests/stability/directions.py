@@ -10,7 +10,8 @@ from shapes import REAL, UNIT, dot, length, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, LANES, NAIVE, ROBUST, Cost, Curve, Panel, Study
+from .cost import LANES, Cost
+from .study import DOUBLE, NAIVE, ROBUST, Curve, Panel, Study
 
 OPTICS = only("REFLECTION", "TRANSMISSION", "PRIORITY")
 

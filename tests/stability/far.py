@@ -10,6 +10,7 @@ from pictures import everything
 
 import feeler
 
+from .cost import PictureCost
 from .faces import MESH_RAYS, count_faces
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study, kernel_options
 
@@ -69,9 +70,13 @@ FLAGS = ["", "-cl-mad-enable", "-cl-no-signed-zeros", "-cl-unsafe-math-optimizat
          "-cl-fast-relaxed-math"]  # fmt: skip
 
 
-def fast_picture(flags: str, level: str) -> Any:
+def render_fast(flags: str, **settings: Any) -> feeler.Image:
     with kernel_options(flags):
-        return feeler.Scene(everything()).render(level=level, lanes=1).pixels
+        return feeler.Scene(everything()).render(**settings)
+
+
+def fast_picture(flags: str, level: str) -> Any:
+    return render_fast(flags, level=level, lanes=1).pixels
 
 
 def fast_math() -> list[Panel]:
@@ -109,6 +114,11 @@ def fast_math() -> list[Panel]:
 
 
 STUDIES = [
-    Study(15, "far from 0", "the double picture at 0", far_away, slow=True),
-    Study(25, "fast-relaxed-math", "the same kernels without it", fast_math, slow=True),
+    Study(15, "far from 0", "the double picture at 0", far_away,
+          PictureCost("a picture of a scene at 10⁶, against that at 0",
+                      lambda: feeler.Scene(place_scene(1e6, True)).render(size=(512, 384), samples=4),
+                      lambda: feeler.Scene(place_scene(0, True)).render(size=(512, 384), samples=4)), slow=True),
+    Study(25, "fast-relaxed-math", "the same kernels without it", fast_math,
+          PictureCost("a picture of every primitive", lambda: render_fast("", size=(240, 180)),
+                      lambda: render_fast("-cl-fast-relaxed-math", size=(240, 180))), slow=True),
 ]  # fmt: skip

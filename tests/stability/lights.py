@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from pictures import everything
 from shapes import REAL, SPHERE, UNIT, Shapes, dot, length, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, NAIVE, ROBUST, Curve, Panel, Study
+from .cost import PictureCost
+from .study import DOUBLE, NAIVE, ROBUST, Curve, Panel, Study, kernel_options
 
 LIT = only("TRANSMISSION", "SPHERE", "SHADOWS")
 OFFSETS = [0.1, 1, 10, 1e2]
@@ -56,4 +58,12 @@ def feelers() -> list[Panel]:
     ]  # fmt: skip
 
 
-STUDIES = [Study(21, "light on a surface", "the sign of a scalar product", feelers)]
+def render(options: str) -> feeler.Image:
+    with kernel_options(options):
+        return feeler.Scene(everything()).render(size=(240, 180))
+
+
+STUDIES = [
+    Study(21, "light on a surface", "the sign of a scalar product", feelers,
+          PictureCost("a picture of every primitive", lambda: render(""), lambda: render("-DNAIVE_FEELER"))),
+]  # fmt: skip

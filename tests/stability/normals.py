@@ -8,6 +8,7 @@ import numpy as np
 
 import feeler
 
+from .cost import PictureCost
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
 
 SEGMENTS = [8, 12, 16, 24, 32, 64, 128]
@@ -35,7 +36,7 @@ def globe(segments: int, smooth: bool) -> dict[str, Any]:
     return {"mesh": {"vertices": vertices, "triangles": faces, "normals": vertices, "smooth": smooth}}
 
 
-def picture(shape: dict[str, Any], level: str, terminator: bool = False) -> Any:
+def see(shape: dict[str, Any], level: str, terminator: bool = False, samples: int = 1) -> feeler.Image:
     """Lit from the side and seen from the front. `terminator`: smooth_terminator."""
     return feeler.Scene({
         "camera": {"eye": [0, 0, 6], "look_at": [0, 0, 0], "fov": 22},
@@ -43,7 +44,11 @@ def picture(shape: dict[str, Any], level: str, terminator: bool = False) -> Any:
         "lights": [{"directional": [-1, -0.3, -0.2]}],
         "objects": [{**shape, "material": {"diffuse": 1}}],
         "smooth_terminator": terminator,
-    }).render(level=level).pixels[..., 0]  # fmt: skip
+    }).render(level=level, samples=samples)  # fmt: skip
+
+
+def picture(shape: dict[str, Any], level: str, terminator: bool = False) -> Any:
+    return see(shape, level, terminator).pixels[..., 0]
 
 
 def terminator() -> list[Panel]:
@@ -68,4 +73,8 @@ def terminator() -> list[Panel]:
     ]  # fmt: skip
 
 
-STUDIES = [Study(22, "shadow terminator", "the analytic sphere", terminator, slow=True)]
+STUDIES = [
+    Study(22, "shadow terminator", "the analytic sphere", terminator,
+          PictureCost("a picture of a globe of 64 segments", lambda: see(globe(64, True), "standard", True, 16),
+                      lambda: see(globe(64, True), "standard", False, 16)), slow=True),
+]  # fmt: skip

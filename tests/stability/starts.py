@@ -11,7 +11,8 @@ from shapes import REAL, frame, length, only, unit, units
 
 import feeler
 
-from .study import DOUBLE, NAIVE, OTHER, ROBUST, Cost, Curve, Panel, Study, kernel_options
+from .cost import Cost
+from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study, kernel_options
 
 SHAPES = only("TRANSMISSION", "SPHERE", "BOX", "TRIANGLE", "ONE_SIDED")
 POINT = "-DNAIVE_POINT"
@@ -162,10 +163,10 @@ def spawn_inputs(rng: np.random.Generator, count: int) -> list[Any]:
 
 
 SPAWN_CODE = "const vectors p = spawn(IN3(0), IN3(3), IN3(6)); OUT = p.x + p.y + p.z;"
+OFFSET_COST = Cost("the start of one ray", "-DNAIVE_OFFSET=1e-3f", SPAWN_CODE, spawn_inputs)
 STUDIES = [
-    Study(12, "fixed tmin", "a convex body is not met by rays that leave it", acne,
-          Cost("the start of one ray", "-DNAIVE_OFFSET=1e-3f", SPAWN_CODE, spawn_inputs)),
-    Study(13, "offset too large", "the outer sphere holds the ray", layers),
+    Study(12, "fixed tmin", "a convex body is not met by rays that leave it", acne, OFFSET_COST),
+    Study(13, "offset too large", "the outer sphere holds the ray", layers, OFFSET_COST),
     Study(14, "fixed number of ulps", "a size of 2ᵏ changes no digit", scales,
           Cost("the start of one ray", "-DNAIVE_ULPS", SPAWN_CODE, spawn_inputs)),
     Study(14, "pictures of scaled scenes", "the same bits", scaled_pictures, slow=True),

@@ -6,16 +6,14 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import statistics
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from shapes import only
 
-import feeler
+from .cost import Cost, PictureCost
 
 NAIVE, ROBUST, DOUBLE, OTHER = "naive", "robust", "double", "other"
 
@@ -49,19 +47,6 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Cost:
-    """What runs in the robust and in the naive build, for the ratio of their times: statements of OpenCL C that set OUT from
-    IN(0), IN(1), ..., and the inputs, a row for each.
-    """
-
-    what: str
-    naive: str  # build options
-    code: str
-    inputs: Callable[[np.random.Generator, int], Sequence[Any]]
-    features: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
 class Study:
     """A row of the catalogue."""
 
@@ -69,7 +54,7 @@ class Study:
     name: str
     oracle: str
     run: Callable[[], list[Panel]]
-    cost: Cost | None = None
+    cost: Cost | PictureCost | None = None
     slow: bool = False  # because whole kernels are built
 
     def __str__(self) -> str:
@@ -91,7 +76,7 @@ class Result:
 
 
 def run(study: Study, with_cost: bool = True) -> Result:
-    cost = measure(study.cost) if study.cost and with_cost else None
+    cost = study.cost.measure() if study.cost and with_cost else None
     return Result(study.row, study.name, study.oracle, study.run(), cost)
 
 
@@ -126,51 +111,3 @@ def kernel_options(options: str) -> Iterator[None]:
             del os.environ["FEELER_KERNEL_OPTIONS"]
         else:
             os.environ["FEELER_KERNEL_OPTIONS"] = before
-
-
-# ---- the cost of a remedy
-
-LANES, GROUPS, REPEATS, PAIRS = 8, 1024, 20, 15
-_KERNEL = """
-#define IN(k) in[(k) * get_global_size(0) + get_global_id(0)]
-#define OUT out[get_global_id(0)]
-#define IN3(k) make_vectors(IN(k), IN(k + 1), IN(k + 2))
-kernel void cost(global const reals *in, global reals *out) { %s }
-"""
-
-
-def measure(cost: Cost) -> dict[str, Any]:
-    """Times of the robust build over those of the naive one, from pairs run in turn: median and quartiles."""
-    import pyopencl as cl
-
-    from feeler._device import default_queue
-
-    queue = default_queue()
-    rng = np.random.default_rng(1)
-    rows = np.stack([np.broadcast_to(row, GROUPS * LANES) for row in cost.inputs(rng, GROUPS * LANES)])
-    given = cl.Buffer(queue.context, cl.mem_flags.COPY_HOST_PTR, hostbuf=rows.astype(np.float32))
-    taken = cl.Buffer(queue.context, cl.mem_flags.WRITE_ONLY, 4 * GROUPS * LANES)
-    timed = cl.CommandQueue(queue.context, properties=cl.command_queue_properties.PROFILING_ENABLE)
-    kernels = [_build(queue.context, cost, options) for options in ("", cost.naive)]
-
-    def seconds(kernel: Any) -> float:
-        events = [kernel(timed, (GROUPS,), (64,), given, taken) for _ in range(REPEATS)]
-        timed.finish()
-        return 1e-9 * sum(event.profile.end - event.profile.start for event in events)
-
-    for kernel in kernels:
-        seconds(kernel)
-    pairs = [(seconds(kernels[0]), seconds(kernels[1])) for _ in range(PAIRS)]
-    low, middle, high = statistics.quantiles([robust / naive for robust, naive in pairs], n=4)
-    calls = GROUPS * LANES * REPEATS
-    nanoseconds = [1e9 * statistics.median(times) / calls for times in zip(*pairs, strict=True)]
-    return {"what": cost.what, "ratio": middle, "low": low, "high": high, "robust_ns": nanoseconds[0],
-            "naive_ns": nanoseconds[1]}  # fmt: skip
-
-
-def _build(context: Any, cost: Cost, options: str) -> Any:
-    import pyopencl as cl
-
-    built = f"{feeler.kernel_options(lanes=LANES, samples=LANES)} {only(*cost.features)} {options}"
-    program = cl.Program(context, feeler.kernel_source() + _KERNEL % cost.code)
-    return cl.Kernel(program.build(built, cache_dir=False), "cost")
