@@ -114,16 +114,18 @@ $(VENV)/ready: pyproject.toml setup.py
 	$(VENV)/bin/pip install -q --disable-pip-version-check -e '.[test,charts,dev]'
 	touch $@
 
-# What needs the system packages is made by another make, so that `make -j` keeps the order.
+# What needs the system packages is made by another make, so that `make -j` keeps the order; it takes every processor, unless
+# this one was told how many.
+JOBS = $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc))
 .PHONY: ready
 ready: deps
-	@$(MAKE) --no-print-directory all $(VENV)/ready
+	@$(MAKE) --no-print-directory $(JOBS) all $(VENV)/ready
 
 # ---- using it
 
 .PHONY: demo
 demo: deps ## set up, build, and render build/demo.png
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory $(JOBS) all
 	$(BUILD)/feeler render $(DEMO) -o $(BUILD)/demo.png
 	@echo 'the picture is $(BUILD)/demo.png'
 
