@@ -18,8 +18,9 @@ from feeler import charts
 
 
 def shorten(svg: str) -> str:
-    """Hundredths of a point are enough, and nobody reads the indentation."""
-    svg = re.sub(r"\d+\.\d{3,}", lambda digits: f"{float(digits[0]):.2f}", svg)
+    """Hundredths of a point are enough in tags, and nobody reads the indentation; what is written stays."""
+    number = re.compile(r"\d+\.\d{3,}")
+    svg = re.sub(r"<[^>]*>", lambda tag: number.sub(lambda digits: f"{float(digits[0]):.2f}", tag[0]), svg)
     return re.sub(r"\n +", "\n", svg)
 
 

@@ -39,8 +39,8 @@ chord intersect_double_cone(vectors o, vectors d, reals radius, reals change) {
     const reals b = -fma(o.x, d.x, difference_of_products(o.y, d.y, radius, change));
     const reals c = (distance - fabs(radius)) * (distance + fabs(radius));
     const reals q = b + copysign(sqrt(max(discriminant, splat(0))), b);
-    const ints parallel =
-        q == splat(0); // to the axis of a cylinder: inside everywhere or nowhere (a may be a vanishing square)
+    // To the axis of a cylinder: inside everywhere or nowhere (a may be a vanishing square). Or past the cone, b being 0.
+    const ints parallel = q == splat(0);
     const reals one = parallel ? splat(-INFINITY) : c / q;
     const reals two = parallel ? splat(INFINITY) : q / a; // infinite when parallel to the side, a = 0
     chord k;

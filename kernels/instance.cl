@@ -51,7 +51,7 @@ ray move_ray(const placement *at, const ray *r) {
 }
 
 // A surface of the group in the world. The error holds what the way here takes and what the way of the next ray back into
-// the group will take (pbrt 4th ed., 6.8.4): each a product with a rounded matrix, and a sum with the offset.
+// the group will take (pbrt 4th ed., 6.8.5): each a product with a rounded matrix, and a sum with the offset.
 surface place_surface(const placement *at, surface f) {
     const vectors turned = choose(at->turned, apply(at->to_world, f.point), f.point);
     const vectors size = absolute(f.point), zero = make_vectors(splat(0), splat(0), splat(0));

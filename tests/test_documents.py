@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -40,3 +41,10 @@ def test_tests_and_targets(document: Path) -> None:
     targets = re.findall(r"^([a-z-]+)(?: [a-z -]+)?:(?!=)", (ROOT / "Makefile").read_text(), re.MULTILINE)
     for target in re.findall(r"(?:`|^ {4})make\s+([a-z-]+)", text, re.MULTILINE):
         assert target in targets, target
+
+
+def test_charts_keep_what_is_written_on_them() -> None:
+    """`make chart-stability` shortens numbers in tags only: a tick at 0.001 is no 0.00."""
+    drawn = '<path d="M 1.23456 7"/>\n   <text x="2.34567">0.001</text>'
+    shorten = runpy.run_path(str(ROOT / "docs/chart_stability.py"))["shorten"]
+    assert shorten(drawn) == '<path d="M 1.23 7"/>\n<text x="2.35">0.001</text>'

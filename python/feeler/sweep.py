@@ -49,8 +49,8 @@ METHODS: dict[str, Method] = {
     "8 lanes": Method(render={"lanes": 8}),
     "16 lanes": Method(render={"lanes": 16}),
     "rays alone": Method(build="-DFEW=17", needs=("tree",)),
-    "4×4 pixels": Method(render={"pixels": (4, 4)}, samples=1),
-    "2×2 pixels": Method(render={"pixels": (2, 2)}, samples=4),
+    "4×4 pixels, 1 sample": Method(render={"pixels": (4, 4)}, samples=1),
+    "2×2 pixels, 4 samples": Method(render={"pixels": (2, 2)}, samples=4),
     # What textbooks do (kernels/naive.cl).
     "naive sphere": Method(build="-DNAIVE_SPHERE", needs=("sphere",)),
     "naive cone": Method(build="-DNAIVE_CONE", needs=("cone",)),
