@@ -289,6 +289,8 @@ def test_a_name_that_is_no_utf_8(cli: Any, files: Path, tmp_path: Path) -> None:
         (["near.png", "rgb.png", "grey.png"], 2, "is too much"),
         (["near.png", "rgb.png", "--max", "2"], 2, "from 0 to 1"),
         (["near.png", "rgb.png", "--map", "heat"], 2, "absolute|flip"),
+        (["near.png", "rgb.png", "--map", "flip"], 2, "--map needs --out"),
+        (["near.png", "rgb.png", "--map=absolute", "--json"], 2, "--map needs --out"),
         (["near.png", "rgb.png", "-o", "d.xyz"], 2, "unknown picture format"),
         (["near.png", "rgb.png", "-o", "none/d.png"], 1, "folder"),
         (["near.png", "none.png"], 1, "none.png: cannot read: No such file"),
@@ -305,3 +307,17 @@ def test_bad_calls(cli: Any, files: Path, arguments: list[str], code: int, messa
     # libpng has a line of its own.
     lines = [line for line in result.stderr.splitlines() if not line.startswith("libpng")]
     assert lines[0].startswith("feeler: ") and len(lines) == (2 if code == 2 and "-o" not in arguments else 1)
+
+
+@pytest.mark.parametrize("out", ["a.png", "b.png", "./a.png", "link.png", "other.png"])
+def test_what_is_compared_is_not_replaced(cli: Any, tmp_path: Path, out: str) -> None:
+    """By whatever name."""
+    for name, value in [("a.png", 100), ("b.png", 101)]:
+        Image.new("RGB", (8, 6), (value,) * 3).save(tmp_path / name)
+    (tmp_path / "link.png").symlink_to("b.png")
+    (tmp_path / "other.png").hardlink_to(tmp_path / "a.png")
+    before = [(tmp_path / name).read_bytes() for name in ["a.png", "b.png"]]
+    result = cli("compare", "a.png", "b.png", "-o", out)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert f"--out: {out} is a picture that is compared" in result.stderr
+    assert [(tmp_path / name).read_bytes() for name in ["a.png", "b.png"]] == before
