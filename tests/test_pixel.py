@@ -115,6 +115,15 @@ def test_why_is_it_black() -> None:
     assert all(" ".join(line.split()) in drawn for line in told.words)
 
 
+def test_zeros_have_no_sign_in_words() -> None:
+    """A plane that is met from its back has its normal turned."""
+    behind = [{"plane": {"point": [0, 0, -1], "normal": [0, 0, -1]}, "material": "plaster"}]
+    told = look({**CEILING, "objects": behind}, (0, 0, 0), (0, 0, -1))
+    assert told.tree["trees"][0]["hit"]["normal"] == [0, 0, 1]
+    assert "-0.0" in str(told.tree["trees"][0]["hit"]["normal"])
+    assert "at (0, 0, -1), normal (0, 0, 1)\n" in str(told)
+
+
 def test_why_is_it_nearly_black() -> None:
     """There is light, but what is on its way takes it."""
     only_red = {"mirror": {"reflection": [1, 0, 0]}, "plaster": {"diffuse": [0, 0, 0.5]}}
