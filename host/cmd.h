@@ -33,6 +33,8 @@ void report_tuned(void);
 void report_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* A wrong call of a command (NULL: of the program itself), with a pointer to its help. */
 void report_usage(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The end of a noun after a number: "" or "s". */
+const char *plural(long long count);
 /* Takes a text from the library and prints it as it is. Returns EXIT_DONE. */
 int report_json(char *text);
 

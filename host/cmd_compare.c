@@ -87,11 +87,12 @@ static void print_table(const comparison *c) {
            feeler_image_width(c->images[0]), feeler_image_height(c->images[0]));
     printf("  max           %.6g\n  p99.9         %.6g\n  RMSE          %.6g\n", d->max, d->p999, d->rmse);
     printf("  over 1/255    %.4g %% of the pixels\n  FLIP mean     %.6g\n", 100 * d->share, d->flip);
-    printf("apart\n  flips         %lld pixels off by more than 1/255\n", (long long)d->flips);
+    printf("apart\n  flips         %lld pixel%s off by more than 1/255\n", (long long)d->flips, plural(d->flips));
     printf("  values        max %.6g, p99.9 %.6g, RMSE %.6g of the other pixels\n", d->value_max, d->value_p999,
            d->value_rmse);
     if (d->nonfinite)
-        printf("  not finite    %lld pixels, each counted as a difference of 1\n", (long long)d->nonfinite);
+        printf("  not finite    %lld pixel%s, each counted as a difference of 1\n", (long long)d->nonfinite,
+               plural(d->nonfinite));
     if (c->picture)
         printf("%s: the %s times %g\n", c->out, c->map == FEELER_MAP_FLIP ? "FLIP map" : "difference", c->factor);
 }

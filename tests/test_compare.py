@@ -233,7 +233,7 @@ def test_table_and_json_tell_the_same(cli: Any, files: Path) -> None:
     found = feeler.compare(files / "near.png", files / "rgb.png")
     result = cli("compare", files / "near.png", files / "rgb.png")
     assert result.returncode == 0 and result.stderr == ""
-    for text in [f"{found.max:.6g}", f"{found.rmse:.6g}", f"{found.flip:.6g}", "1 pixels off", "32 x 24"]:
+    for text in [f"{found.max:.6g}", f"{found.rmse:.6g}", f"{found.flip:.6g}", "1 pixel off", "32 x 24"]:
         assert text in result.stdout
     figures = json.loads(cli("compare", files / "near.png", files / "rgb.png", "--json").stdout)
     assert set(figures) == {"pixels", "nonfinite", "max", "p99.9", "rmse", "share", "flip", "flips", "values"}
