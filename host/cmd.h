@@ -33,6 +33,8 @@ void report_tuned(void);
 void report_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* A wrong call of a command (NULL: of the program itself), with a pointer to its help. */
 void report_usage(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The end of a noun after a number: "" or "s". */
+const char *plural(long long count);
 /* Takes a text from the library and prints it as it is. Returns EXIT_DONE. */
 int report_json(char *text);
 
@@ -44,6 +46,8 @@ char *output_scene_name(const char *scene_path);
 char *output_expand(const char *pattern, const char *name);
 /* "a.exr" becomes "a.partial.exr". To be freed; NULL: out of memory. */
 char *output_partial(const char *path);
+/* Whether a file's name has this ending, such as ".svg", in letters of either case. */
+bool output_ends_in(const char *path, const char *ending);
 /* 0 if a text file can be made there, else -1 and said on stderr. "-" is stdout, here and below. */
 int output_check_text(const char *path);
 /* Writes a text and a final newline, under this name only when it is whole; a pipe or device is written directly.

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { MAX, P999, RMSE, SHARE, FLIP, FIGURES };
 
@@ -24,8 +25,27 @@ static const char compare_notes[] =
     "of its channels'. The exit code is 1 where a figure is above its option. The difference picture is scaled by a\n"
     "power of two that is told; a FLIP map is grey and not scaled.";
 
+/* By whatever names: what is not there is no file yet. */
+static bool same_file(const char *a, const char *b) {
+    struct stat one, other;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+static options_result check(comparison *c, bool map_is_given) {
+    if (map_is_given && !c->out) {
+        report_usage("compare", "--map needs --out, the picture to write");
+        return OPTIONS_WRONG;
+    }
+    for (int i = 0; i < 2; i++)
+        if (c->out && same_file(c->out, c->paths[i])) {
+            report_usage("compare", "--out: %s is a picture that is compared", c->out);
+            return OPTIONS_WRONG;
+        }
+    return OPTIONS_GO;
+}
+
 static options_result parse(comparison *c, int argc, char **argv) {
-    int count;
+    int count, map = -1;
     const option options[] = {
         {"max", 0, OPTION_NUMBER, &c->limits[MAX], "E", NULL, "greatest difference allowed", 0, 1},
         {"p99.9", 0, OPTION_NUMBER, &c->limits[P999], "E", NULL, "greatest 99.9th percentile of the differences", 0, 1},
@@ -34,7 +54,7 @@ static options_result parse(comparison *c, int argc, char **argv) {
          1},
         {"flip", 0, OPTION_NUMBER, &c->limits[FLIP], "E", NULL, "greatest mean of FLIP", 0, 1},
         {"out", 'o', OPTION_TEXT, &c->out, "OUT", NULL, "write a picture of the difference", 0, 0},
-        {"map", 0, OPTION_CHOICE, &c->map, "absolute|flip", "absolute", "what it shows", 0, 0},
+        {"map", 0, OPTION_CHOICE, &map, "absolute|flip", "absolute", "what it shows", 0, 0},
         {"json", 0, OPTION_FLAG, &c->json, NULL, NULL, "print JSON", 0, 0},
         {0},
     };
@@ -42,9 +62,11 @@ static options_result parse(comparison *c, int argc, char **argv) {
         "compare", "A B",        "Measures how far two pictures are apart (.exr, .hdr, .png, .tif, .jpg).", options, 2,
         2,         compare_notes};
     options_result result = options_parse(&compare, argc, argv, &count);
-    if (result == OPTIONS_GO)
-        memcpy(c->paths, argv, sizeof c->paths);
-    return result;
+    if (result != OPTIONS_GO)
+        return result;
+    memcpy(c->paths, argv, sizeof c->paths);
+    c->map = map < 0 ? FEELER_MAP_ABSOLUTE : map;
+    return check(c, map >= 0);
 }
 
 static int measure(comparison *c, feeler_error *error) {
@@ -65,11 +87,12 @@ static void print_table(const comparison *c) {
            feeler_image_width(c->images[0]), feeler_image_height(c->images[0]));
     printf("  max           %.6g\n  p99.9         %.6g\n  RMSE          %.6g\n", d->max, d->p999, d->rmse);
     printf("  over 1/255    %.4g %% of the pixels\n  FLIP mean     %.6g\n", 100 * d->share, d->flip);
-    printf("apart\n  flips         %lld pixels off by more than 1/255\n", (long long)d->flips);
+    printf("apart\n  flips         %lld pixel%s off by more than 1/255\n", (long long)d->flips, plural(d->flips));
     printf("  values        max %.6g, p99.9 %.6g, RMSE %.6g of the other pixels\n", d->value_max, d->value_p999,
            d->value_rmse);
     if (d->nonfinite)
-        printf("  not finite    %lld pixels, each counted as a difference of 1\n", (long long)d->nonfinite);
+        printf("  not finite    %lld pixel%s, each counted as a difference of 1\n", (long long)d->nonfinite,
+               plural(d->nonfinite));
     if (c->picture)
         printf("%s: the %s times %g\n", c->out, c->map == FEELER_MAP_FLIP ? "FLIP map" : "difference", c->factor);
 }

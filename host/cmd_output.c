@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -61,6 +62,10 @@ char *output_partial(const char *path) {
     return result;
 }
 
+bool output_ends_in(const char *path, const char *ending) {
+    return strcasecmp(path + ending_of(path), ending) == 0;
+}
+
 int output_check_text(const char *path) {
     struct stat info;
     const char *base = base_of(path);
@@ -72,7 +77,8 @@ int output_check_text(const char *path) {
         report_failure("%s: %s", path, S_ISDIR(info.st_mode) ? "is a folder; name a file" : strerror(errno));
         return -1;
     }
-    char *folder = base == path ? strdup(".") : strndup(path, (size_t)(base - path));
+    size_t length = (size_t)(base - path);
+    char *folder = length ? strndup(path, length - (length > 1)) : strdup("."); /* without the slash, but for "/" */
     int result = folder ? access(folder, W_OK | X_OK) : -1;
     if (result)
         report_failure("%s: cannot write into the folder '%s': %s", path, folder ? folder : "", strerror(errno));

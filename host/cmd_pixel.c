@@ -106,5 +106,9 @@ int cmd_pixel(int argc, char **argv) {
     q.scene = argv[0];
     if (read_coordinate(argv[1], &q.x) || read_coordinate(argv[2], &q.y))
         return EXIT_USAGE;
+    if (q.svg && strcmp(q.svg, "-") != 0 && !output_ends_in(q.svg, ".svg")) {
+        report_usage("pixel", "--svg: the drawing of a pixel is an .svg file, not '%s'", q.svg);
+        return EXIT_USAGE;
+    }
     return ask(&q);
 }

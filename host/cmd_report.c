@@ -83,6 +83,10 @@ void report_usage(const char *command, const char *format, ...) {
     va_end(arguments);
 }
 
+const char *plural(long long count) {
+    return count == 1 ? "" : "s";
+}
+
 int report_json(char *text) {
     puts(text);
     feeler_free(text);

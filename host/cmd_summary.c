@@ -76,12 +76,13 @@ static void print_features(const json_t *stats) {
 /* The level's error apart from that of truncation. */
 static void print_verification(const json_t *verification) {
     const json_t *d = json_object_get(verification, "precision"), *values = json_object_get(d, "values");
-    fprintf(stderr, "  against reference, %d samples a pixel, %.3f s: precision, of linear values from 0 to 1\n",
-            (int)whole_at(verification, "samples"), number_at(verification, "seconds"));
+    fprintf(stderr, "  against reference, %d sample%s a pixel, %.3f s: precision, of linear values from 0 to 1\n",
+            (int)whole_at(verification, "samples"), plural(whole_at(verification, "samples")),
+            number_at(verification, "seconds"));
     fprintf(stderr, "    all    max %.3g, p99.9 %.3g, RMSE %.3g, FLIP mean %.3g\n", number_at(d, "max"),
             number_at(d, "p99.9"), number_at(d, "rmse"), number_at(d, "flip"));
-    fprintf(stderr, "    flips  %" JSON_INTEGER_FORMAT " pixels off by more than 1/255, %.3g %%\n",
-            whole_at(d, "flips"), 100 * number_at(d, "share"));
+    fprintf(stderr, "    flips  %" JSON_INTEGER_FORMAT " pixel%s off by more than 1/255, %.3g %%\n",
+            whole_at(d, "flips"), plural(whole_at(d, "flips")), 100 * number_at(d, "share"));
     fprintf(stderr, "    values max %.3g, p99.9 %.3g, RMSE %.3g of the other pixels\n", number_at(values, "max"),
             number_at(values, "p99.9"), number_at(values, "rmse"));
     fputs("    truncation is apart", stderr);
@@ -142,7 +143,7 @@ void summary_print(const char *scene_path, const char *out, const char *stats_js
         return;
     fprintf(stderr, "%s -> %s\n", scene_path, out);
     fprintf(stderr, "  picture  %dx%d, %d sample%s a pixel, %s\n", item(stats, "size", 0), item(stats, "size", 1),
-            (int)whole_at(stats, "samples"), whole_at(stats, "samples") == 1 ? "" : "s", text_at(stats, "level"));
+            (int)whole_at(stats, "samples"), plural(whole_at(stats, "samples")), text_at(stats, "level"));
     fprintf(stderr, "  device   %s, work group %dx%d (%s), lanes %d\n", text_at(stats, "device"),
             item(stats, "work_group", 0), item(stats, "work_group", 1), text_at(stats, "work_group_from"),
             (int)whole_at(stats, "lanes"));

@@ -7,6 +7,7 @@ int fail(feeler_error *error, int code, const char *format, ...) __attribute__((
 
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -49,16 +50,16 @@ double decode_srgb(double coded) {
     return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
 }
 
-// Where a file's channels are: red, green, blue, alpha (-1: none). One or two channels are grey without and with alpha.
+// Where a file's channels are: red, green, blue, alpha (-1: none). OpenImageIO calls grey Y whatever the format does; in
+// EXR files it may be L. More than two channels with Y are luminance and chroma.
 bool find_channels(const OIIO::ImageSpec &spec, int place[4]) {
     static const char *const names[] = {"R", "G", "B", "A"};
     for (int c = 0; c < 4; c++)
         place[c] = spec.channelindex(names[c]);
     if (place[0] >= 0 && place[1] >= 0 && place[2] >= 0)
         return true;
-    place[0] = place[1] = place[2] = 0;
-    place[3] = spec.nchannels == 2 ? 1 : -1;
-    return spec.nchannels <= 2;
+    place[0] = place[1] = place[2] = std::max(spec.channelindex("Y"), spec.channelindex("L"));
+    return place[0] >= 0 && spec.nchannels <= 2;
 }
 
 // As an image keeps it.
@@ -93,7 +94,7 @@ int read(feeler_image &image, const char *path, feeler_error *error) {
         return fail(error, FEELER_BAD_INPUT, "%s: %d x %d x %d pixels: pictures of 1 to 2^28 pixels can be read", path,
                     spec.width, spec.height, spec.depth);
     if (!find_channels(spec, place))
-        return fail(error, FEELER_BAD_INPUT, "%s: has no channels R, G and B", path);
+        return fail(error, FEELER_BAD_INPUT, "%s: has no channels R, G and B, and is not grey", path);
     const size_t count = size_t(spec.image_pixels()), channels = size_t(spec.nchannels);
     std::vector<float> values(count * channels);
     if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))

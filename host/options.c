@@ -4,6 +4,7 @@
 #include "cmd.h"
 #include "edits.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -289,11 +290,16 @@ static options_result parse_one(const command *c, int argc, char **argv, int *in
     return OPTIONS_WRONG;
 }
 
+/* What begins with "-" is none, but for "-" alone and, where each operand has its place, for numbers. */
+static bool is_operand(const command *c, const char *word) {
+    return word[0] != '-' || word[1] == '\0' || (c->least == c->most && isdigit((unsigned char)word[1]));
+}
+
 options_result options_parse(const command *c, int argc, char **argv, int *operand_count) {
     int count = 0;
     bool only_operands = false;
     for (int i = 1; i < argc; i++) {
-        if (only_operands || argv[i][0] != '-' || argv[i][1] == '\0') {
+        if (only_operands || is_operand(c, argv[i])) {
             argv[count++] = argv[i]; /* count < i: overwrites only what is read */
         } else if (strcmp(argv[i], "--") == 0) {
             only_operands = true;

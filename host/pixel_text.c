@@ -15,9 +15,10 @@ static double number_of(const json_t *object, const char *key) {
     return json_number_value(json_object_get(object, key));
 }
 
+/* -0 is printed as 0, which the sum with 0 is. */
 static void print_vector(FILE *out, const char *label, const json_t *vector) {
-    fprintf(out, "%s(%.6g, %.6g, %.6g)", label, json_number_value(json_array_get(vector, 0)),
-            json_number_value(json_array_get(vector, 1)), json_number_value(json_array_get(vector, 2)));
+    fprintf(out, "%s(%.6g, %.6g, %.6g)", label, json_number_value(json_array_get(vector, 0)) + 0,
+            json_number_value(json_array_get(vector, 1)) + 0, json_number_value(json_array_get(vector, 2)) + 0);
 }
 
 static void begin_line(const sheet *s) {

@@ -259,11 +259,11 @@ static int explain(search *s, const trial *chosen, char *why, size_t size, feele
     if (truth_measure(t, &exact, &sampling, NULL, error) ||
         (chosen->way.level != FEELER_REFERENCE && truth_between(t, &chosen->way, &exact, &rounding, error)))
         return -1;
-    snprintf(
-        why, size,
-        "%d samples a pixel%s leave an error of %.2g, which falls with the samples' number to the power of -1/2 to "
-        "-3/4; level, depth and cutoff one of %.2g",
-        chosen->way.samples, s->any_samples ? ", the most that are tried," : "", sampling, rounding);
+    snprintf(why, size,
+             "sampling with %d sample%s a pixel%s leaves an error of %.2g, which falls with their number to the power "
+             "of -1/2 to -3/4; level, depth and cutoff one of %.2g",
+             chosen->way.samples, chosen->way.samples == 1 ? "" : "s",
+             s->any_samples ? ", the most that are tried," : "", sampling, rounding);
     return 0;
 }
 

@@ -1,4 +1,4 @@
-"""Reads OpenEXR files as feeler writes them (scan lines, numbers of 32 bits, ZIP), without the library that wrote them."""
+"""Reads OpenEXR files as feeler writes them (scan lines, numbers of 32 bits, ZIP) and writes plain ones, both without OpenEXR."""
 
 from __future__ import annotations
 
@@ -84,3 +84,30 @@ def read_exr(path: Path) -> tuple[NDArray[np.float32], dict[str, Any]]:
     """The picture, (height, width, RGB or RGBA), and the attributes of the header."""
     layers, header = read_layers(path)
     return np.stack([layers[name] for name in "RGBA" if name in layers], -1), header
+
+
+def write_layers(path: Path, layers: dict[str, Any]) -> None:
+    """Writes planes of one size, (height, width), as floats under their channels' names, not compressed."""
+    names = sorted(layers)  # as the format demands
+    planes = np.stack([np.asarray(layers[name], "<f4") for name in names], 1)
+    height, _, width = planes.shape
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    channel = struct.pack("<iB3xii", 2, 0, 1, 1)
+    attributes = [
+        ("channels", "chlist", b"".join(name.encode() + b"\0" + channel for name in names) + b"\0"),
+        ("compression", "compression", b"\0"),
+        ("dataWindow", "box2i", window),
+        ("displayWindow", "box2i", window),
+        ("lineOrder", "lineOrder", b"\0"),
+        ("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        ("screenWindowWidth", "float", struct.pack("<f", 1)),
+    ]
+    header = struct.pack("<II", 20000630, 2)
+    for name, kind, value in attributes:
+        header += f"{name}\0{kind}\0".encode() + struct.pack("<i", len(value)) + value
+    header += b"\0"
+    blocks = [struct.pack("<ii", y, line.nbytes) + line.tobytes() for y, line in enumerate(planes)]
+    first = len(header) + 8 * height
+    table = struct.pack(f"<{height}Q", *(first + y * len(blocks[0]) for y in range(height)))
+    path.write_bytes(header + table + b"".join(blocks))

@@ -185,13 +185,24 @@ def test_specialised(nothing_measured: Any, scene: Path, tmp_path: Path, capsys:
 def test_failures(nothing_measured: Any, scene: Path, tmp_path: Path, capsys: Any) -> None:
     """Before anything is measured."""
     assert run(scene, out="none/x") == 1
-    assert "none" in capsys.readouterr().err
+    why = "cannot write into the folder 'none': No such file or directory"
+    assert capsys.readouterr().err == f"feeler: none/x: {why}\n"
+    assert run(scene, out=f"{scene.name}/") == 1
+    assert f"cannot write into the folder '{scene.name}': Not a directory\n" in capsys.readouterr().err
     assert run(scene, "missing.nff") == 1
     assert run(scene, "missing.nff", specialised=True) == 1
     assert nothing_measured == []
     (tmp_path / "a.json").mkdir()
     assert run(scene, out="a") == 1
     assert capsys.readouterr().err.endswith("feeler: a.json: Is a directory\n")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_is_read_only(nothing_measured: Any, scene: Path, tmp_path: Path, capsys: Any) -> None:
+    (tmp_path / "closed").mkdir(mode=0o500)
+    assert run(scene, out="closed") == 1
+    assert capsys.readouterr().err.endswith("cannot write into the folder 'closed': Permission denied\n")
+    assert nothing_measured == []
 
 
 def test_an_interruption(monkeypatch: pytest.MonkeyPatch, scene: Path, tmp_path: Path, capsys: Any) -> None:

@@ -111,6 +111,7 @@ USAGE_ERRORS = {
     "no output": (["render", "spheres.nff"], "--out is missing"),
     "unknown option": (["render", "spheres.nff", "-o", "a.png", "--sampels", "3"], "did you mean '--samples'"),
     "unknown letter": (["render", "spheres.nff", "-z"], "unknown option '-z'"),
+    "unknown digit": (["render", "spheres.nff", "-o", "a.png", "-4"], "unknown option '-4'"),
     "no value": (["render", "spheres.nff", "-o"], "--out needs a value"),
     "flag with value": (["render", "spheres.nff", "--alpha=1", "-o", "a.png"], "--alpha takes no value"),
     "size": (["render", "spheres.nff", "-o", "a.png", "--size", "64"], "--size: '64'"),

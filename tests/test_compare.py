@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exr import read_exr
+from exr import read_exr, write_layers
 from PIL import Image
 from spheres import write_spheres
 
@@ -161,7 +161,10 @@ def files(tmp_path_factory: Any) -> Path:
     Image.fromarray(coded[..., :3]).save(folder / "rgb.png")
     Image.fromarray(coded[..., :3]).save(folder / "rgb.tif")
     Image.fromarray(coded).save(folder / "rgba.png")
-    Image.fromarray(coded[..., 0]).save(folder / "grey.png")
+    for ending in ["png", "tif", "jpg"]:
+        Image.fromarray(coded[..., 0]).save(folder / f"grey.{ending}", quality=100)
+    for ending in ["png", "tif"]:
+        Image.fromarray(coded[..., [0, 3]]).save(folder / f"grey-alpha.{ending}")
     Image.fromarray(coded[..., :3]).save(folder / "rgb.jpg", quality=100, subsampling=0)
     near = coded[..., :3].copy()
     near[5, 6] ^= 64
@@ -180,8 +183,29 @@ def test_files_are_made_linear(files: Path) -> None:
     for name in ["rgb.png", "rgb.tif"]:
         assert feeler.compare(files / name, linear).max < 1e-6, name
     assert feeler.compare(files / "rgba.png", linear * coded[..., 3:]).max < 1e-6  # as over black
-    assert feeler.compare(files / "grey.png", linear[..., 0]).max < 1e-6
+    for ending in ["png", "tif"]:
+        assert feeler.compare(files / f"grey.{ending}", linear[..., 0]).max < 1e-6, ending
+        assert feeler.compare(files / f"grey-alpha.{ending}", linear[..., 0] * coded[..., 3]).max < 1e-6, ending
+    assert feeler.compare(files / "grey.jpg", linear[..., 0]).rmse < 0.01
     assert 0 < feeler.compare(files / "rgb.jpg", linear).rmse < 0.1
+
+
+@pytest.mark.parametrize("names", ["R G B", "R G B A", "R G B Z", "Y", "Y A", "L", "L A"])
+def test_channels_by_their_names(tmp_path: Path, names: str) -> None:
+    """Of colour or of grey, and then perhaps alpha: colours are as over black."""
+    values = {"R": 0.5, "G": 0.25, "B": 0.75, "Y": 0.5, "L": 0.5, "A": 0.6, "Z": 9}
+    write_layers(tmp_path / "a.exr", {name: np.full((6, 8), values[name]) for name in names.split()})
+    expected = [0.5, 0.25, 0.75] if "R" in names else [0.5] * 3
+    assert feeler.compare(tmp_path / "a.exr", np.full((6, 8, 3), expected)).max == 0
+
+
+@pytest.mark.parametrize("names", ["R G", "Z", "A", "R A", "diffuse.Y", "Y RY BY"])
+def test_channels_that_are_no_picture(cli: Any, tmp_path: Path, names: str) -> None:
+    write_layers(tmp_path / "a.exr", {name: np.full((6, 8), 0.5) for name in names.split()})
+    Image.new("L", (8, 6), 188).save(tmp_path / "b.png")
+    result = cli("compare", "a.exr", "b.png")
+    assert (result.returncode, result.stdout) == (1, "")
+    assert result.stderr == "feeler: a.exr: has no channels R, G and B, and is not grey\n"
 
 
 def test_renders_in_files_are_as_in_memory(cli: Any, tmp_path: Path) -> None:
@@ -209,7 +233,7 @@ def test_table_and_json_tell_the_same(cli: Any, files: Path) -> None:
     found = feeler.compare(files / "near.png", files / "rgb.png")
     result = cli("compare", files / "near.png", files / "rgb.png")
     assert result.returncode == 0 and result.stderr == ""
-    for text in [f"{found.max:.6g}", f"{found.rmse:.6g}", f"{found.flip:.6g}", "1 pixels off", "32 x 24"]:
+    for text in [f"{found.max:.6g}", f"{found.rmse:.6g}", f"{found.flip:.6g}", "1 pixel off", "32 x 24"]:
         assert text in result.stdout
     figures = json.loads(cli("compare", files / "near.png", files / "rgb.png", "--json").stdout)
     assert set(figures) == {"pixels", "nonfinite", "max", "p99.9", "rmse", "share", "flip", "flips", "values"}
@@ -265,6 +289,8 @@ def test_a_name_that_is_no_utf_8(cli: Any, files: Path, tmp_path: Path) -> None:
         (["near.png", "rgb.png", "grey.png"], 2, "is too much"),
         (["near.png", "rgb.png", "--max", "2"], 2, "from 0 to 1"),
         (["near.png", "rgb.png", "--map", "heat"], 2, "absolute|flip"),
+        (["near.png", "rgb.png", "--map", "flip"], 2, "--map needs --out"),
+        (["near.png", "rgb.png", "--map=absolute", "--json"], 2, "--map needs --out"),
         (["near.png", "rgb.png", "-o", "d.xyz"], 2, "unknown picture format"),
         (["near.png", "rgb.png", "-o", "none/d.png"], 1, "folder"),
         (["near.png", "none.png"], 1, "none.png: cannot read: No such file"),
@@ -281,3 +307,17 @@ def test_bad_calls(cli: Any, files: Path, arguments: list[str], code: int, messa
     # libpng has a line of its own.
     lines = [line for line in result.stderr.splitlines() if not line.startswith("libpng")]
     assert lines[0].startswith("feeler: ") and len(lines) == (2 if code == 2 and "-o" not in arguments else 1)
+
+
+@pytest.mark.parametrize("out", ["a.png", "b.png", "./a.png", "link.png", "other.png"])
+def test_what_is_compared_is_not_replaced(cli: Any, tmp_path: Path, out: str) -> None:
+    """By whatever name."""
+    for name, value in [("a.png", 100), ("b.png", 101)]:
+        Image.new("RGB", (8, 6), (value,) * 3).save(tmp_path / name)
+    (tmp_path / "link.png").symlink_to("b.png")
+    (tmp_path / "other.png").hardlink_to(tmp_path / "a.png")
+    before = [(tmp_path / name).read_bytes() for name in ["a.png", "b.png"]]
+    result = cli("compare", "a.png", "b.png", "-o", out)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert f"--out: {out} is a picture that is compared" in result.stderr
+    assert [(tmp_path / name).read_bytes() for name in ["a.png", "b.png"]] == before

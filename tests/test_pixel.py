@@ -115,6 +115,15 @@ def test_why_is_it_black() -> None:
     assert all(" ".join(line.split()) in drawn for line in told.words)
 
 
+def test_zeros_have_no_sign_in_words() -> None:
+    """A plane that is met from its back has its normal turned."""
+    behind = [{"plane": {"point": [0, 0, -1], "normal": [0, 0, -1]}, "material": "plaster"}]
+    told = look({**CEILING, "objects": behind}, (0, 0, 0), (0, 0, -1))
+    assert told.tree["trees"][0]["hit"]["normal"] == [0, 0, 1]
+    assert "-0.0" in str(told.tree["trees"][0]["hit"]["normal"])
+    assert "at (0, 0, -1), normal (0, 0, 1)\n" in str(told)
+
+
 def test_why_is_it_nearly_black() -> None:
     """There is light, but what is on its way takes it."""
     only_red = {"mirror": {"reflection": [1, 0, 0]}, "plaster": {"diffuse": [0, 0, 0.5]}}
@@ -368,15 +377,22 @@ WRONG = {
     "missing": (["scene", "1"], 2, "SCENE X Y is missing"),
     "no scene": (["nowhere.yaml", "1", "1"], 1, "nowhere.yaml: cannot be opened"),
     "sample": (["scene", "1", "1", "--sample", "1"], 2, "there is no sample 1: the pixel has 1, from 0 on"),
-    "folder": (["scene", "1", "1", "--svg", "none/a.svg"], 1, "none"),
+    "below 0": (["scene", "-1", "2"], 2, "'-1' is no coordinate"),
+    "below 0, the other": (["scene", "1", "-2"], 2, "'-2' is no coordinate"),
+    "one too many": (["scene", "1", "1", "-1"], 2, "'-1' is too much"),
+    "folder": (["scene", "1", "1", "--svg", "none/a.svg"], 1, "cannot write into the folder 'none': No such file"),
+    "ending": (["scene", "1", "1", "--svg", "a.png"], 2, "the drawing of a pixel is an .svg file, not 'a.png'"),
+    "no ending": (["scene", "1", "1", "--svg", ".svg"], 2, "the drawing of a pixel is an .svg file, not '.svg'"),
+    "no -o": (["scene", "1", "1", "-o", "a.svg"], 2, "unknown option '-o'"),
 }
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_bad_calls(cli: Any, scene_file: Path, name: str) -> None:
+def test_bad_calls(cli: Any, scene_file: Path, tmp_path: Path, name: str) -> None:
     arguments, code, message = WRONG[name]
     done = cli("pixel", *[scene_file if word == "scene" else word for word in arguments])
     assert done.returncode == code and message in done.stderr and done.stdout == ""
+    assert not list(tmp_path.iterdir())
 
 
 def test_too_many_rays() -> None:

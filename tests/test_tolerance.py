@@ -105,6 +105,9 @@ def test_verify_on_the_command_line(cli: Any, tmp_path: Path) -> None:
     assert f"max {told['precision']['max']:.3g}" in result.stderr
     assert "truncation is apart; error by truncation" in result.stderr
     assert feeler.compare(tmp_path / "a.exr", tmp_path / "b.exr").max == 0
+    assert "against reference, 4 samples a pixel, " in result.stderr
+    result = cli("render", spheres, "-o", "b.exr", "--verify", "--samples", "1")
+    assert "against reference, 1 sample a pixel, " in result.stderr
     for options, message in [
         (["--level", "reference"], "choose draft or standard"),
         (["--tolerance", "0.1"], "leave --verify away"),
@@ -176,7 +179,11 @@ def error_of_file(path: Path, truth: feeler.Image) -> float:
 
 @pytest.mark.parametrize(
     ("given", "why"),
-    [({"samples": 4, "level": "standard"}, "samples a pixel leave"), ({"samples": 64, "depth": 1}, "depth")],
+    [
+        ({"samples": 1, "level": "draft"}, "sampling with 1 sample a pixel leaves an error of"),
+        ({"samples": 4, "level": "standard"}, "sampling with 4 samples a pixel leaves an error of"),
+        ({"samples": 64, "depth": 1}, "depth"),
+    ],
 )
 def test_what_is_given_is_kept(
     scene: feeler.Scene, truth: dict[Any, feeler.Image], given: dict[str, Any], why: str

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 import statistics
 import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -120,8 +120,10 @@ def _bases(out: str | None, names: Sequence[str], default: str) -> list[str]:
     bases = [base[: -len(ending)] if (ending := Path(base).suffix) in ENDINGS else base for base in bases]
     for base in bases:
         folder = Path(base).parent
-        if not folder.is_dir() or not os.access(folder, os.W_OK):
-            raise Error(f"cannot write into the folder '{folder}'", source=base, code=IO)
+        try:
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            raise Error(f"cannot write into the folder '{folder}': {error.strerror}", source=base, code=IO) from None
     return bases
 
 

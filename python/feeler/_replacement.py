@@ -14,8 +14,8 @@ def replacement(path: str | os.PathLike[str]) -> Iterator[Path]:
     without an exception, else it is removed. A link stays a link, and the mode stays the old file's.
     """
     target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_file():  # a pipe or a device
-        yield target
+    if target.exists() and not target.is_file():  # a pipe or a device, or a folder: opening it tells
+        yield Path(path)
         return
     temporary = target.with_name(f".feeler-{os.getpid()}-{target.name}")
     try:
