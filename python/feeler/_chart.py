@@ -154,7 +154,7 @@ def _progress(path: str, quiet: bool) -> Iterator[sweep.Say]:
 def format_table(results: Accuracy) -> str:
     """A line for each setting, the fastest first."""
     truth, front = results.truth, results.front
-    columns = "{:<4}{:<16}{:>10}{:>20}{:>11}{:>11}{:>11}{:>11}{:>9}".format
+    columns = "{:<4}{:<23}{:>10}{:>20}{:>11}{:>11}{:>11}{:>11}{:>9}".format
     lines = [
         f"{results.scene}, {results.size[0]} x {results.size[1]}; noise of the truth {truth.noise:.1e}",
         columns("", "setting", "time, ms", "quartiles", "error", "precision", "truncation", "sampling", "flips"),
