@@ -169,11 +169,11 @@ FAR = 1000.0
 
 
 def on_ball(n: Any, side: Any, sine: float, **keys: Any) -> dict[str, Any]:
-    """A ball of radius 1 seen from far away around the place n on it, at an angle of this sine."""
+    """A ball of radius 1 seen from far away around the place n on it, at an angle of this sine. What enters stays inside."""
     towards = np.sqrt(1 - sine * sine) * n - sine * side
     camera = {"eye": n + FAR * towards, "look_at": n, "up": [0.3, 1, 0.2], "fov": float(np.degrees(1e-5))}
-    return {"camera": camera, "image": {"size": [90, 90]}, "objects": [{"sphere": {"radius": 1}, "material": "ball"}],
-            "lights": [], "depth": 2, **keys}  # fmt: skip
+    ball = {"sphere": {"radius": 1}, "material": "ball", "sides": "front"}
+    return {"camera": camera, "image": {"size": [90, 90]}, "objects": [ball], "lights": [], "depth": 2, **keys}
 
 
 def test_critical_angles_on_a_ball_beyond_their_bound_are_right() -> None:
@@ -188,24 +188,28 @@ def test_critical_angles_on_a_ball_beyond_their_bound_are_right() -> None:
     expect_sure(bubbles(), lambda image: image.channels["rays"])
 
 
-def test_what_a_ball_mirrors_beyond_its_bound_is_right() -> None:
-    """A lamp's edge, as far from the ball as the eye is: what the reflected direction is off by decides."""
+@pytest.mark.parametrize("way", ["reflection", "transmission"])
+def test_what_a_ball_turns_beyond_its_bound_is_right(way: str) -> None:
+    """A lamp's edge, as far from the ball as the eye is: what the direction is off by, once it is turned, decides."""
     rng = np.random.default_rng(7)
-    materials = {"ball": {"reflection": 1}, "lamp": {"emission": 1}}
+    ior = 10.0  # the farther from 1, the more of what the normal is off by reaches the direction
+    materials = {"ball": {way: 1, "ior": ior}, "lamp": {"emission": 1}}
 
-    def mirrors() -> Iterator[dict[str, Any]]:
+    def turned() -> Iterator[dict[str, Any]]:
         for _ in range(24):
             n, side, up = tilted(rng)
             sine = rng.uniform(0.2, 0.8)
-            scene, mirrored = on_ball(n, side, sine, materials=materials), np.sqrt(1 - sine * sine) * n + sine * side
+            along, sign = (sine, 1) if way == "reflection" else (sine / ior, -1)
+            ray = along * side + sign * np.sqrt(1 - along * along) * n
             turn = rng.uniform(0, 2 * np.pi)
-            across = np.cos(turn) * up + np.sin(turn) * np.cross(mirrored, up)
-            middle, out = n + FAR * mirrored, 50 * np.cross(mirrored, across)
+            across = np.cos(turn) * up + np.sin(turn) * np.cross(ray, up)
+            middle, out = n + FAR * ray, 50 * np.cross(ray, across)
             corners = np.array([middle - 50 * across, middle + 50 * across, middle + 50 * across + out,
                                 middle - 50 * across + out])  # fmt: skip
+            scene = on_ball(n, side, sine, materials=materials)
             yield scene | {"objects": [*scene["objects"], {"polygon": {"corners": corners}, "material": "lamp"}]}
 
-    expect_sure(mirrors(), lambda image: image.pixels[..., 0] > 0.5)
+    expect_sure(turned(), lambda image: image.pixels[..., 0] > 0.5)
 
 
 def lit_floors(rng: np.random.Generator, away: float) -> Iterator[dict[str, Any]]:
