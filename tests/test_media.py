@@ -94,6 +94,20 @@ def test_the_eye_below_a_plane() -> None:
     assert not (((image.pixels[..., 0] > 0.5) != expected) & sure).any()
 
 
+@pytest.mark.parametrize("where", ["below", "within"])
+def test_more_media_than_the_list_takes(where: str) -> None:
+    """The eye is in as many as fit, one inside the other: the next one's surface bends too, on both sides."""
+    index = [1.1, 1.7, 1.2, 1.6, 1.3, 1.5, 1.4, A]
+    objects = [layer(-13.0 + k, 13.0 - k, glass(ior)) for k, ior in enumerate(index)]
+    z = -1.75 if where == "within" else -3.0
+    objects += [layer(-2, -1, glass(B)), lamp(z)]
+    image = render({"camera": VIEW, "image": {"size": SIZE}, "objects": objects})
+    bends = [(-1.0, B)] if where == "within" else [(-1.0, B), (-2.0, A)]
+    expected, sure = lands_on_lamp(VIEW, bends, z, A)
+    assert 50 < expected.sum() < 2500
+    assert not (((image.pixels[..., 0] > 0.5) != expected) & sure).any()
+
+
 @pytest.mark.parametrize("extension", [False, True])
 def test_snells_window(extension: bool) -> None:
     """From within glass: the background inside the cone of 41.8103°, the reflection (rho_rg, extended by rho_tg) outside."""

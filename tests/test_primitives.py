@@ -268,6 +268,23 @@ def test_a_corner_far_from_the_others() -> None:
         assert abs(s.normal - normal).max() < 8 * UNIT["standard"], first
 
 
+def test_points_beside_a_corner_are_within_their_error() -> None:
+    """Heights just above a power of two, two of three weights that vanish: the sum's roundings are as large as they get."""
+    rng = np.random.default_rng(9)
+    n = 200_000
+    corners = rng.uniform(-1, 1, (n, 3, 3))
+    corners[..., 2] = 1 + rng.uniform(0.001, 0.01, (n, 1)) + 1e-3 * corners[..., 2]
+    shapes = Shapes(TRIANGLE, "standard", points=corners)
+    small = rng.uniform(0, 1e-3, (n, 2))
+    r = ray("standard", [0, 0, 5], [0, 0, -1.0])
+    s = feeler.probe(
+        "surface_triangle", r, *np.moveaxis(shapes.points, 1, 0), small[:, 0], 1 - small.sum(1), options=SHAPES
+    )
+    share = gap(shapes, np.arange(n), s.point) / dot(abs(s.normal.astype(float)), s.error.astype(float))
+    print(f"{share.max():.2f} of the error")
+    assert share.max() <= 1
+
+
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("step", [4e-5, 1e-5, 2e-6])
 def test_a_thin_layer_is_met(step: float, way: str) -> None:
