@@ -258,12 +258,12 @@ SPHERE_CODE = """
 crossing c = intersect_sphere(make_ray(IN3(0), IN3(3)), make_vectors(splat(0), splat(0), splat(0)), splat(1), 0);
 OUT = c.found ? c.distance : splat(-1);
 """
-CONE = Cost("one ray and one capped cone", "-DNAIVE_CONE", CONE_CODE, sphere_inputs, ("CONE",))
+CONE_COST = Cost("one ray and one capped cone", "-DNAIVE_CONE", CONE_CODE, sphere_inputs, ("CONE",))
 STUDIES = [
     Study(1, "sphere far away", "exact rationals; the chord in extended precision", spheres,
           Cost("one ray and one sphere", "-DNAIVE_SPHERE", SPHERE_CODE, sphere_inputs, ("SPHERE",))),
     Study(2, "sphere as the ground", "the root in extended precision", ground,
           Cost("one ray and one sphere, c factored", "-DNAIVE_SPHERE=2", SPHERE_CODE, sphere_inputs, ("SPHERE",))),
-    Study(3, "along the side of a cone", "the root in extended precision", parallel_rays, CONE),
-    Study(4, "cap and side", "a closed body has no way out", seams, CONE),
+    Study(3, "along the side of a cone", "the root in extended precision", parallel_rays, CONE_COST),
+    Study(4, "cap and side", "a closed body has no way out", seams, CONE_COST),
 ]  # fmt: skip

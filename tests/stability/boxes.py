@@ -10,7 +10,7 @@ from shapes import REAL, only, unit, units
 import feeler
 
 from .cost import Cost
-from .faces import CLAMP
+from .faces import CLAMP_COST
 from .study import DOUBLE, NAIVE, OTHER, ROBUST, Curve, Panel, Study
 
 BOXES = only("TRANSMISSION", "BOX", "TRIANGLE")
@@ -160,5 +160,5 @@ STUDIES = [
           Cost("a ray's reciprocals and one box", "-DNAIVE_SLAB", BOX_CODE, box_inputs)),
     Study(7, "rounded slabs", "the intervals in extended precision", rounding,
           Cost("a ray's reciprocals and one box", "-DNAIVE_WIDEN", BOX_CODE, box_inputs)),
-    Study(26, "hits before their own box", "the box's own interval", own_boxes, CLAMP),
+    Study(26, "hits before their own box", "the box's own interval", own_boxes, CLAMP_COST),
 ]  # fmt: skip

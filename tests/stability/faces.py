@@ -248,7 +248,7 @@ const crossing c = intersect_plane(r, p, n, 0);
 const surface s = surface_plane(r, c.distance, p, n);
 OUT = s.point.x + s.point.y + s.point.z + s.error.x;
 """
-CLAMP = Cost("one ray and one triangle in its box", "-DNAIVE_CLAMP", CLAMP_CODE, triangle_inputs, ("TRIANGLE",))
+CLAMP_COST = Cost("one ray and one triangle in its box", "-DNAIVE_CLAMP", CLAMP_CODE, triangle_inputs, ("TRIANGLE",))
 STUDIES = [
     Study(5, "plane at a grazing angle", "the plane's equation in extended precision", grazing,
           Cost("one ray, one plane and the point on it", "-DNAIVE_PLANE", PLANE_CODE,
@@ -257,7 +257,7 @@ STUDIES = [
           Cost("one ray and one triangle", "-DNAIVE_TRIANGLE", TRIANGLE_CODE, triangle_inputs, ("TRIANGLE",))),
     Study(9, "contraction", "a closed mesh has no way out", contraction,
           Cost("one ray and one triangle", "-DNAIVE_EDGES", TRIANGLE_CODE, triangle_inputs, ("TRIANGLE",))),
-    Study(10, "needles", "the triangle's own box", needles, CLAMP),
+    Study(10, "needles", "the triangle's own box", needles, CLAMP_COST),
     Study(11, "edges in both triangles", "an even number of faces", parity,
           Cost("one ray and one triangle", "-DNAIVE_TIES", TRIANGLE_CODE, triangle_inputs, ("TRIANGLE",))),
 ]  # fmt: skip
