@@ -48,8 +48,11 @@ char *output_expand(const char *pattern, const char *name);
 char *output_partial(const char *path);
 /* Whether a file's name has this ending, such as ".svg", in letters of either case. */
 bool output_ends_in(const char *path, const char *ending);
-/* 0 if a text file can be made there, else -1 and said on stderr. "-" is stdout, here and below. */
-int output_check_text(const char *path);
+/* Whether two names are one file's. What is not there is no file yet. */
+bool output_is_file(const char *path, const char *other);
+/* 0 if a text file can be made there, which must not be the scene's, else -1 and said on stderr. "-" is stdout, here and
+ * below. */
+int output_check_text(const char *path, const char *scene);
 /* Writes a text and a final newline, under this name only when it is whole; a pipe or device is written directly.
  * 0, or -1 and said on stderr. */
 int output_write_text(const char *path, const char *text);

@@ -57,15 +57,16 @@ static int check_kept(void) {
 }
 
 /* Tells, before any time is spent, what cannot be written. */
-static int check_outputs(plan *p) {
+static int check_outputs(plan *p, int count, char **scenes) {
     bool json = p->json && strcmp(p->json, "-") == 0, csv = p->csv && strcmp(p->csv, "-") == 0;
     if (p->json && p->csv && strcmp(p->json, p->csv) == 0) {
         report_usage("bench", "--json and --csv cannot both be %s", json ? "stdout" : p->json);
         return EXIT_USAGE;
     }
     p->table = !p->quiet && !json && !csv;
-    if ((p->json && output_check_text(p->json)) || (p->csv && output_check_text(p->csv)))
-        return EXIT_FAILED;
+    for (int i = 0; i < count; i++)
+        if ((p->json && output_check_text(p->json, scenes[i])) || (p->csv && output_check_text(p->csv, scenes[i])))
+            return EXIT_FAILED;
     return p->keep ? check_kept() : EXIT_DONE;
 }
 
@@ -157,7 +158,7 @@ int cmd_bench(int argc, char **argv) {
     plan *p = &s.plan;
     int count = 0;
     options_result parsed = parse(p, argc, argv, &count);
-    int code = parsed == OPTIONS_GO ? check_outputs(p) : parsed == OPTIONS_HELPED ? EXIT_DONE : EXIT_USAGE;
+    int code = parsed == OPTIONS_GO ? check_outputs(p, count, argv) : parsed == OPTIONS_HELPED ? EXIT_DONE : EXIT_USAGE;
     if (parsed == OPTIONS_GO && code == EXIT_DONE) {
         size_t most = (size_t)count * (size_t)ways(&p->devices) * (size_t)ways(&p->levels) * (size_t)ways(&p->samples);
         s.cases = calloc(most, sizeof *s.cases);

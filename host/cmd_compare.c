@@ -4,7 +4,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { MAX, P999, RMSE, SHARE, FLIP, FIGURES };
 
@@ -25,19 +24,13 @@ static const char compare_notes[] =
     "of its channels'. The exit code is 1 where a figure is above its option. The difference picture is scaled by a\n"
     "power of two that is told; a FLIP map is grey and not scaled.";
 
-/* By whatever names: what is not there is no file yet. */
-static bool same_file(const char *a, const char *b) {
-    struct stat one, other;
-    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-}
-
 static options_result check(comparison *c, bool map_is_given) {
     if (map_is_given && !c->out) {
         report_usage("compare", "--map needs --out, the picture to write");
         return OPTIONS_WRONG;
     }
     for (int i = 0; i < 2; i++)
-        if (c->out && same_file(c->out, c->paths[i])) {
+        if (c->out && output_is_file(c->out, c->paths[i])) {
             report_usage("compare", "--out: %s is a picture that is compared", c->out);
             return OPTIONS_WRONG;
         }

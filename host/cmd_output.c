@@ -66,11 +66,20 @@ bool output_ends_in(const char *path, const char *ending) {
     return strcasecmp(path + ending_of(path), ending) == 0;
 }
 
-int output_check_text(const char *path) {
+bool output_is_file(const char *path, const char *other) {
+    struct stat a, b;
+    return stat(path, &a) == 0 && stat(other, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+int output_check_text(const char *path, const char *scene) {
     struct stat info;
     const char *base = base_of(path);
     if (is_stdout(path))
         return 0;
+    if (output_is_file(path, scene)) {
+        report_failure("%s: is the scene, which would be lost", path);
+        return -1;
+    }
     if (stat(path, &info) == 0) {
         if (!S_ISDIR(info.st_mode) && access(path, W_OK) == 0)
             return 0;

@@ -54,7 +54,7 @@ static int tell(const question *q, char *json) {
 static int ask(const question *q) {
     feeler_error error = {0};
     const char *warning;
-    if (q->svg && output_check_text(q->svg))
+    if (q->svg && output_check_text(q->svg, q->scene))
         return EXIT_FAILED;
     feeler_scene *scene = feeler_scene_load(q->scene, &error);
     if (!scene)

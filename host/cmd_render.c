@@ -264,7 +264,7 @@ static int render_one(job *j, const char *scene) {
         j->hopeless = code == EXIT_USAGE;
         goto done;
     }
-    if (o.stats && output_check_text(o.stats))
+    if (o.stats && output_check_text(o.stats, scene))
         goto done;
     code = trace(j, scene, &o, &image);
     if (code == EXIT_INTERRUPTED) {

@@ -182,6 +182,16 @@ def test_folder_is_missing(cli: Any, scene: Path) -> None:
     assert "'none'" in result.stderr
 
 
+@pytest.mark.parametrize("command", [["render", "-o", "a.png", "--stats"], ["bench", "--csv"], ["bench", "--json"]])
+def test_the_scene_is_no_output(cli: Any, tmp_path: Path, scene: Path, command: list[str]) -> None:
+    text = scene.read_text()
+    result = cli(*command, f"./{scene.name}", scene)
+    assert result.returncode == 1
+    assert f"./{scene.name}: is the scene, which would be lost\n" in result.stderr
+    assert scene.read_text() == text
+    assert list(tmp_path.iterdir()) == [scene]
+
+
 def test_stats_folder_is_missing(cli: Any, tmp_path: Path, scene: Path) -> None:
     result = cli("render", scene, "-o", "a.png", "--stats", "none/a.json")
     assert result.returncode == 1
