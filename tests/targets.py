@@ -277,7 +277,8 @@ def cone_normal(rows: Any, points: Any) -> Any:
     p = points - rows[:, :3]
     along = np.einsum("ni,ni->n", p, rows[:, 12:15])[:, None] * rows[:, 12:15]
     across = p - along
-    return unit(across / np.maximum(length(across), 1e-300)[:, None] - rows[:, 11:12] * rows[:, 12:15])
+    with np.errstate(invalid="ignore"):  # on a cylinder's axis there is none: it is no number, and so on no side
+        return unit(across / np.maximum(length(across), 1e-300)[:, None] - rows[:, 11:12] * rows[:, 12:15])
 
 
 def rim(shapes: Shapes, rng: np.random.Generator, numbers: Any) -> Any:
@@ -319,7 +320,8 @@ def depth(shapes: Shapes, points: Any, numbers: Any, reach: Any = 0) -> Any:
         x, y, z = (np.einsum("ni,ni->n", p, rows[:, i : i + 3]) for i in (4, 8, 12))
         side = (rows[:, 3] + rows[:, 11] * z - np.hypot(x, y)) / np.sqrt(1 + rows[:, 11] ** 2)
         inside = np.minimum(side, np.minimum(z, rows[:, 7] - z))
-    return inside / (UNIT[shapes.level] * size)
+    with np.errstate(divide="ignore", invalid="ignore"):  # less than an ulp of its coordinates is no size
+        return inside / (UNIT[shapes.level] * size)
 
 
 SINGLE = ["sphere", "plane", "disc", "box", "triangle", "polygon", "convex polygon", "cylinder", "open cylinder", "pointed cone",
