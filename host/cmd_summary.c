@@ -97,19 +97,23 @@ static void print_number(const json_t *number, const char *format, int width) {
 }
 
 /* What was tried, and what was taken. */
-static void print_tolerance(const json_t *tolerance) {
+static void print_tolerance(const json_t *stats) {
     size_t i;
+    const json_t *tolerance = json_object_get(stats, "tolerance");
     json_t *one, *truth = json_object_get(tolerance, "truth"), *checked = json_object_get(tolerance, "checked");
     fprintf(
         stderr, "  tolerance %.3g %s: error %.3g (p99.9, linear values from 0 to 1) on ", number_at(tolerance, "asked"),
         json_is_true(json_object_get(tolerance, "reached")) ? "reached" : "NOT reached", number_at(tolerance, "error"));
     if (json_is_true(json_object_get(checked, "whole")))
-        fputs("the whole picture", stderr);
+        fputs("all pixels", stderr);
     else
         fprintf(stderr, "%d tiles of %dx%d pixels", (int)whole_at(checked, "tiles"), item(checked, "size", 0),
                 item(checked, "size", 1));
     fprintf(stderr, ",\n    against reference with %d samples a pixel, itself known within %.2g; found in %.2f s\n",
             (int)whole_at(truth, "samples"), number_at(truth, "noise"), number_at(tolerance, "seconds"));
+    fprintf(stderr, "    truncation is apart, for the truth has depth %d and cutoff %.3g", (int)whole_at(truth, "depth"),
+            number_at(truth, "cutoff"));
+    print_bound(json_object_get(stats, "truncation_bound"));
     fprintf(stderr, "    %-9s %7s %9s  error: %9s %10s, seconds on the proxy of %dx%d\n", "level", "samples", "cutoff",
             "picture", "proxy", item(tolerance, "proxy", 0), item(tolerance, "proxy", 1));
     json_array_foreach(json_object_get(tolerance, "candidates"), i, one) {
@@ -154,6 +158,6 @@ void summary_print(const char *scene_path, const char *out, const char *stats_js
     if (json_object_get(stats, "verification"))
         print_verification(json_object_get(stats, "verification"));
     if (json_object_get(stats, "tolerance"))
-        print_tolerance(json_object_get(stats, "tolerance"));
+        print_tolerance(stats);
     json_decref(stats);
 }

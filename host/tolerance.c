@@ -17,8 +17,8 @@ enum {
     MOST_TRIALS = 32
 };
 
-/* An error counts as small enough at this share of the tolerance: tiles are only a part of the picture. From one number of
- * samples to the next the error falls to a half or a third, so this costs little. */
+/* A way is good enough at this share of the tolerance, as long as there are others: tiles are only a part of the picture, and
+ * the truth has noise of its own. The least error that is found is judged by the tolerance itself. */
 static const double safety = 0.8;
 /* What the truth itself may be off by, as a share of the tolerance; that of the proxy only points the way. */
 static const double proxy_noise = 1. / 2, noise_share = 1. / 3;
@@ -29,6 +29,7 @@ static const double draft_saving = 0.1;
 typedef struct trial {
     way way;
     double proxy, seconds; /* error and time there; negative: not tried there */
+    uint64_t rays;         /* that it sent there */
     double tiles;          /* error there; negative: not tried there */
 } trial;
 
@@ -85,7 +86,10 @@ static trial *add_trial(search *s, way w) {
 /* NULL: failed. */
 static const trial *try_way(search *s, way w, feeler_error *error) {
     trial *t = add_trial(s, w);
-    return truth_measure(&s->proxy, &w, &t->proxy, &t->seconds, error) ? NULL : t;
+    if (truth_measure(&s->proxy, &w, &t->proxy, &t->seconds, error))
+        return NULL;
+    t->rays = s->proxy.rays;
+    return t;
 }
 
 static way way_of(const search *s, int level, int samples) {
@@ -131,17 +135,29 @@ static int try_samples(search *s, int level, int first, const trial **best, feel
         if (good(s, t->proxy))
             *best = t;
     }
-    return 0;
+    if (!s->any_samples || !*best || (*best)->way.samples < 4 || !good(s, sqrt(2) * (*best)->proxy))
+        return 0;
+    t = try_way(s, way_of(s, level, (*best)->way.samples / 2), error);
+    if (t && good(s, t->proxy))
+        *best = t;
+    return t ? 0 : -1;
 }
 
-/* Rays that carry little are spared where they are sent at all: the same kernel is told how little. */
-static int try_cutoffs(search *s, way w, feeler_error *error) {
-    for (double cutoff = s->tolerance; cutoff > s->tolerance / 100 && cutoff > w.cutoff && cutoff < 1; cutoff /= 4) {
-        way less = w;
+/* Rays that carry little are spared where there are such: the same kernel is told how little. */
+static int try_cutoffs(search *s, const trial *best, feeler_error *error) {
+    for (double cutoff = s->tolerance; cutoff > s->tolerance / 100 && cutoff > best->way.cutoff && cutoff < 1;
+         cutoff /= 4) {
+        way less = best->way;
         less.cutoff = cutoff;
         const trial *t = try_way(s, less, error);
-        if (!t || good(s, t->proxy))
-            return t ? 0 : -1;
+        if (!t)
+            return -1;
+        if (t->rays >= best->rays) { /* the same picture, and less would be spared by less */
+            s->count--;
+            return 0;
+        }
+        if (good(s, t->proxy))
+            return 0;
     }
     return 0;
 }
@@ -165,7 +181,7 @@ static int try_ways(search *s, bool sends, feeler_error *error) {
     } else if (s->any_level && try_samples(s, FEELER_REFERENCE, first, &best, error)) {
         return -1;
     }
-    return best && sends && s->any_cutoff ? try_cutoffs(s, best->way, error) : 0;
+    return best && sends && s->any_cutoff ? try_cutoffs(s, best, error) : 0;
 }
 
 /* ---- the check on tiles ---- */
@@ -246,12 +262,20 @@ static trial *check(search *s, feeler_error *error) {
 
 /* ---- the report ---- */
 
+static double error_found(const search *s, const trial *t) {
+    return s->whole ? t->proxy : t->tiles;
+}
+
+static bool reached(const search *s, const trial *t) {
+    return error_found(s, t) < s->tolerance;
+}
+
 /* Why the tolerance is not reached: which of the errors is above it. -1: failed. */
 static int explain(search *s, const trial *chosen, char *why, size_t size, feeler_error *error) {
     truth *t = s->whole ? &s->proxy : &s->tiles;
     const way exact = {FEELER_REFERENCE, chosen->way.samples, t->depth, t->cutoff};
     double rounding = 0, sampling;
-    if (t->noise > s->tolerance * safety) {
+    if (t->noise > safety * s->tolerance) {
         snprintf(why, size, "it is below what is known of the truth: %d samples a pixel leave that off by %.2g",
                  t->samples, t->noise);
         return 0;
@@ -278,7 +302,7 @@ static json_t *describe_trials(const search *s) {
         if (json_array_append_new(list, json_pack("{s:s, s:i, s:f, s:o, s:o, s:o}", "level", level_name(t->way.level),
                                                   "samples", t->way.samples, "cutoff", t->way.cutoff, "proxy_error",
                                                   describe_error(t->proxy), "proxy_seconds", describe_error(t->seconds),
-                                                  "error", describe_error(s->whole ? t->proxy : t->tiles)))) {
+                                                  "error", describe_error(error_found(s, t))))) {
             json_decref(list);
             return NULL;
         }
@@ -288,11 +312,10 @@ static json_t *describe_trials(const search *s) {
 
 static json_t *describe(const search *s, const trial *chosen, const char *why, double seconds) {
     const truth *t = s->whole ? &s->proxy : &s->tiles;
-    const double found = s->whole ? chosen->proxy : chosen->tiles;
     const int *r = t->regions[0];
     return json_pack("{s:f, s:b, s:f, s:{s:i, s:f, s:i, s:f}, s:{s:i, s:[i,i], s:b}, s:{s:s, s:i, s:f, s:i}, s:[i,i], "
                      "s:s, s:o, s:f}",
-                     "asked", s->tolerance, "reached", good(s, found), "error", found, "truth", "samples", t->samples,
+                     "asked", s->tolerance, "reached", reached(s, chosen), "error", error_found(s, chosen), "truth", "samples", t->samples,
                      "noise", t->noise, "depth", t->depth, "cutoff", t->cutoff, "checked", "tiles", t->count, "size",
                      r[2] - r[0], r[3] - r[1], "whole", s->whole, "chosen", "level", level_name(chosen->way.level),
                      "samples", chosen->way.samples, "cutoff", chosen->way.cutoff, "depth", chosen->way.depth, "proxy",
@@ -351,10 +374,13 @@ static trial *find_way(search *s, feeler_error *error) {
 /* The way to render with, and why it is that one; NULL: failed. */
 static const trial *choose(search *s, char *why, size_t size, feeler_error *error) {
     const trial *chosen = find_way(s, error);
-    snprintf(why, size, "the cheapest of those tried whose error is below the tolerance with a fifth to spare%s",
+    if (chosen && !reached(s, chosen))
+        return explain(s, chosen, why, size, error) ? NULL : chosen;
+    snprintf(why, size, "%s%s",
+             chosen && good(s, error_found(s, chosen))
+                 ? "the cheapest of those tried whose error is below the tolerance with a fifth to spare"
+                 : "the least error of those tried, which is below the tolerance but without a fifth to spare",
              s->draft_spared ? "; draft was not tried: to compile it takes longer than it is likely to save" : "");
-    if (chosen && !good(s, s->whole ? chosen->proxy : chosen->tiles) && explain(s, chosen, why, size, error))
-        return NULL;
     return chosen;
 }
 

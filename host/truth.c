@@ -97,6 +97,10 @@ static double seconds_of(const render_stats *s) {
     return s->kernel >= 0 ? s->kernel : s->trace;
 }
 
+static uint64_t rays_of(const render_stats *s) {
+    return s->eye + s->reflection + s->transmission + s->shadow;
+}
+
 /* Renders all regions. Where there is one alone and it is quick, it is rendered more than once for the time. */
 static int render(truth *t, const way *w, double jitter, double *colours, double *seconds, feeler_error *error) {
     const bool repeat = seconds && t->count == 1 && w->samples <= 16;
@@ -120,10 +124,12 @@ static int render(truth *t, const way *w, double jitter, double *colours, double
         fail(error, FEELER_INTERRUPTED, "interrupted while settings were sought");
     double sum = 0, least = INFINITY;
     t->compile = made > 0 ? images[0]->stats.compile : 0;
+    t->rays = 0;
     for (int i = 0; i < made; i++) {
         if (i < t->count && error->code == 0)
             image_colours(images[i], colours + 3 * t->pixels / (size_t)t->count * (size_t)i);
         sum += seconds_of(&images[i]->stats);
+        t->rays += rays_of(&images[i]->stats);
         least = fmin(least, seconds_of(&images[i]->stats));
         feeler_image_free(images[i]);
     }

@@ -27,6 +27,7 @@ typedef struct truth {
     int steps, samples; /* that it has */
     double noise;       /* what the truth itself is off by, as far as its two halves tell */
     double compile;     /* seconds that the kernels of the last way took */
+    uint64_t rays;      /* that the last way sent */
     double *halves[2];  /* sums of colours by weight; the first is owned and holds all below, too */
     double weights[2];
     double *colours; /* the truth, clamped */

@@ -189,3 +189,6 @@ def test_what_cannot_be(cli: Any, scenes: Path, tmp_path: Path, arguments: list[
 def test_unknown_channel_in_python() -> None:
     with pytest.raises(feeler.Error, match="did you mean 'depth'"):
         feeler.Scene(ball_on_floor()).render(channels=["dept"])
+    for wrong in (5, ["depth", 5]):
+        with pytest.raises(feeler.Error, match="channels is a name or several, not"):
+            feeler.Scene(ball_on_floor()).render(channels=wrong)

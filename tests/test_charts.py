@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 from spheres import write_spheres
+from stability.__main__ import merge
+from stability.study import Result
 
 import feeler
 
@@ -211,14 +213,33 @@ def test_stability(tmp_path: Path) -> None:
     assert (tmp_path / "row.svg").is_file()
 
 
+def test_one_row_is_studied_again(tmp_path: Path) -> None:
+    """The other rows of the file stay."""
+    path = tmp_path / "rows.json"
+    results = [Result(row, "sphere", "rationals", []) for row in (1, 2, 14, 14)]
+    path.write_text(merge(path, results))
+    path.write_text(merge(path, [Result(2, "ground", "rationals", [])]))
+    rows = [(row["row"], row["name"]) for row in json.loads(path.read_text())["rows"]]
+    assert rows == [(1, "sphere"), (2, "ground"), (14, "sphere"), (14, "sphere")]
+
+
+def test_nothing_was_measured() -> None:
+    data = study()
+    for curve in data["rows"][0]["panels"][0]["curves"]:
+        curve["values"] = [None] * 3
+    assert np.isnan(charts.stability(data, 1).axes[0].get_lines()[0].get_ydata()).all()
+
+
 def test_bad_stability(tmp_path: Path) -> None:
     with pytest.raises(feeler.Error, match="there is no row 27"):
         charts.stability(study(), 27)
     with pytest.raises(feeler.Error, match=r"a\.json: cannot be read"):
         charts.stability(tmp_path / "a.json", 1)
-    short = study()
+    short, unknown, empty = study(), study(), study()
     short["rows"][0]["panels"][0]["x"] = [1, 10]
-    for bad in ({}, {"rows": [{}]}, {"rows": [{"row": 1}]}, short):
+    unknown["rows"][0]["panels"][0]["curves"][0]["kind"] = "magic"
+    empty["rows"][0]["panels"] = []
+    for bad in ({}, {"rows": [{}]}, {"rows": [{"row": 1}]}, short, unknown, empty):
         with pytest.raises(feeler.Error, match="is not what the stability laboratory writes"):
             charts.stability(bad, 1)
 

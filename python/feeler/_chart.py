@@ -154,18 +154,19 @@ def _progress(path: str, quiet: bool) -> Iterator[sweep.Say]:
 def format_table(results: Accuracy) -> str:
     """A line for each setting, the fastest first."""
     truth, front = results.truth, results.front
-    columns = "{:<4}{:<23}{:>10}{:>20}{:>11}{:>11}{:>11}{:>11}{:>9}".format
+    columns = "{:<4}{:<23}{:>10}{:>20}{:>11}{:>11}{:>9}{:>12}{:>11}".format
     lines = [
         f"{results.scene}, {results.size[0]} x {results.size[1]}; noise of the truth {truth.noise:.1e}",
-        columns("", "setting", "time, ms", "quartiles", "error", "precision", "truncation", "sampling", "flips"),
+        columns("", "setting", "time, ms", "quartiles", "error", "precision", "flips", "truncation", "sampling"),
     ]
     for place in sorted(range(len(results.points)), key=lambda place: results.points[place].median):
         point = results.points[place]
         low, high = point.quartiles
         parts = [f"{getattr(point, part).rmse:.2e}" for part in PARTS]
+        parts.insert(PARTS.index("precision") + 1, f"{100 * point.precision.flips:.2f} %")
         marks = "*" * point.default + "F" * (place in front)
         times = (f"{1000 * point.median:.2f}", f"{1000 * low:.2f} … {1000 * high:.2f}")
-        lines.append(columns(marks, point.setting.name, *times, *parts, f"{100 * point.precision.flips:.2f} %"))
+        lines.append(columns(marks, point.setting.name, *times, *parts))
     lines += [f"left out: {name}, {why}" for name, why in results.left_out.items()]
     return "\n".join([*lines, "*: the default; F: on the Pareto front"])
 

@@ -100,7 +100,7 @@ def make_settings(
     settings.level = lib.FEELER_LEVEL_ANY if level is None else LEVELS.index(level)
     settings.transparent, settings.general, settings.brute_force = bool(alpha), bool(general), bool(brute_force)
     if channels is not None:
-        names = channels if isinstance(channels, str) else ",".join(channels)
+        names = channels if isinstance(channels, str) else ",".join(_names("channels", channels))
         settings.channels = call(lib.feeler_channels_parse, to_bytes(names)) if names else 0
     return settings
 
@@ -111,6 +111,16 @@ def warn_of_tuned() -> None:
         call(lib.feeler_tuned_check)
     except Error as error:
         warnings.warn(f"{error}; the work groups that are kept there are not used", RuntimeWarning, stacklevel=3)
+
+
+def _names(name: str, values: Any) -> list[str]:
+    try:
+        names = list(values)
+    except TypeError:
+        names = [None]
+    if not all(isinstance(one, str) for one in names):
+        raise Error(f"{name} is a name or several, not {values!r}")
+    return names
 
 
 def _whole(name: str, values: Any, count: int) -> list[int]:

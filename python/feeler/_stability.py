@@ -24,27 +24,22 @@ _STYLES = {
 _FILLED = {"robust"}
 
 
-def read_row(data: str | os.PathLike[str] | Mapping[str, Any], row: int) -> list[Mapping[str, Any]]:
-    """What `make stability` measured for one row of the catalogue: one or more results."""
+def draw_row(data: str | os.PathLike[str] | Mapping[str, Any], row: int, width: float) -> Figure:
+    """What `make stability` measured for one row of the catalogue: its charts side by side, its cost below."""
     source = "" if isinstance(data, Mapping) else os.fspath(data)
     try:
         content = data if isinstance(data, Mapping) else json.loads(Path(source).read_text(encoding="utf-8"))
         found = [result for result in content["rows"] if result["row"] == row]
         if not found:
             raise Error(f"there is no row {row}", source=source, code=BAD_INPUT)
-        for result in found:
-            for panel in result["panels"]:
-                if any(len(curve["values"]) != len(panel["x"]) for curve in panel["curves"]):
-                    raise ValueError("a curve has not a value for each x")
+        return _draw(found, width)
     except OSError as error:
         raise Error(f"cannot be read: {error.strerror}", source=source, code=BAD_INPUT) from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise Error(f"is not what the stability laboratory writes ({error!r})", source=source, code=BAD_INPUT) from None
-    return found
 
 
-def draw_row(results: Sequence[Mapping[str, Any]], width: float) -> Figure:
-    """The charts of a row side by side, its cost below."""
+def _draw(results: Sequence[Mapping[str, Any]], width: float) -> Figure:
     panels = [panel for result in results for panel in result["panels"]]
     figure = Figure(figsize=(width * len(panels), 0.86 * width), layout="constrained")
     for axes, panel in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
@@ -112,7 +107,7 @@ def _scale_logarithmically(axes: Any, panel: Mapping[str, Any], floor: float) ->
     """Powers of ten, and a place for what is 0."""
     axes.set_yscale("log")
     drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
-    top = max(np.nanmax(drawn), 10 * floor)
+    top = np.nanmax(drawn, initial=10 * floor)
     low, high = round(math.log10(floor)), math.ceil(math.log10(top))
     step = max(1, (high - low) // 8)
     powers = list(range(low + 1, high + 1, step))

@@ -25,7 +25,7 @@ from ._accuracy_chart import accuracy
 from ._figure import Figure, Patch, Rectangle, number, save_figure
 from ._library import BAD_INPUT, Error
 from ._specialisation_chart import specialisation
-from ._stability import draw_row, read_row
+from ._stability import draw_row
 
 __all__ = ["accuracy", "specialisation", "stability", "work_groups"]
 
@@ -129,7 +129,7 @@ def stability(
     Returns:
         The matplotlib figure.
     """
-    figure = draw_row(read_row(data, row), width)
+    figure = draw_row(data, row, width)
     if save is not None:
         save_figure(figure, save)
     return figure

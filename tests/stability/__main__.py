@@ -43,10 +43,19 @@ def print_result(result: Result) -> None:
         print(f"\n  NOT AS CLAIMED: {broken}")
 
 
+def merge(path: Path, results: list[Result]) -> str:
+    """What a file holds, with these rows in the place of their own: one row does not cost the others."""
+    rows = [result.as_dict() for result in results]
+    if path.exists():
+        done = {row["row"] for row in rows}
+        rows += [row for row in json.loads(path.read_text(encoding="utf-8"))["rows"] if row["row"] not in done]
+    return json.dumps({"rows": sorted(rows, key=lambda row: row["row"])}, indent=1) + "\n"
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="stability", description="Studies of where ray-tracing methods fail.")
     parser.add_argument("--row", type=int, action="append", help="only this row of the catalogue; may be repeated")
-    parser.add_argument("--json", type=Path, help="where to write what was found")
+    parser.add_argument("--json", type=Path, help="where to write what was found, beside the other rows that are there")
     parser.add_argument("--no-cost", action="store_true", help="no times")
     chosen = parser.parse_args()
     results = []
@@ -56,8 +65,7 @@ def main() -> int:
             print_result(results[-1])
             sys.stdout.flush()
     if chosen.json:
-        text = json.dumps({"rows": [result.as_dict() for result in results]}, indent=1)
-        chosen.json.write_text(text + "\n", encoding="utf-8")
+        chosen.json.write_text(merge(chosen.json, results), encoding="utf-8")
     return int(any(broken_claims(result) for result in results))
 
 
