@@ -170,14 +170,14 @@ def spawn(level: str, s: Any, side: Any) -> Any:
     return feeler.probe("spawn", s.point, s.error, side, level=level, options=SHAPES)
 
 
-def leave(rng: np.random.Generator, side: Any) -> Any:
-    """Directions to the side of a normal, half of them grazing it, down to a slope of 1e-6."""
+def leave(rng: np.random.Generator, side: Any, grazing: float = 0.5) -> Any:
+    """Directions to the side of a normal: this share of them grazing, down to a slope of 1e-6, the others evenly spread."""
     side = unit(side)
     e = units(rng, len(side))
     e = np.where(dot(e, side)[:, None] < 0, -e, e)
     slope = 10 ** rng.uniform(-6, 0, (len(side), 1))
     along = unit(e - side * dot(e, side)[:, None]) + side * slope
-    return np.where(rng.random((len(side), 1)) < 0.5, unit(along), e)
+    return np.where(rng.random((len(side), 1)) < grazing, unit(along), e)
 
 
 # ---- random ones, sizes from `least` to `most`, centres within ten sizes of the origin

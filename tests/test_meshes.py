@@ -111,6 +111,25 @@ def test_small_things_scaled_by_a_power_of_two(small: float, radius: float) -> N
         assert same_bits(pixels, expected), f"{(pixels != expected).any(-1).sum()} pixels at 2^{exponent}"
 
 
+@pytest.mark.parametrize("term", ["diffuse", "diffuse_transmission"])
+def test_lights_count_where_both_normals_agree(term: str) -> None:
+    """A facet seen along its normal, shaded by one that leans 60°: lights between the two planes are on neither side."""
+    lean, size = np.radians(60), 9
+    corners = [[0, 3, 0], [-3, -3, 0], [3, -3, 0]]
+    normal = [np.sin(lean), 0, np.cos(lean)]
+    for angle in np.radians([-170, -135, -100, -80, -45, -20, 0, 45, 80, 100, 130, 170]):  # from the facet's normal
+        to_light = np.array([np.sin(angle), 0, np.cos(angle)])
+        image = render({
+            "camera": camera((0, 0, 4), fov=5), "image": {"size": (size, size)}, "lights": [{"directional": list(-to_light)}],
+            "objects": [{"triangle": {"corners": corners, "normals": [normal] * 3}, "material": {term: 0.75}}],
+            "shadows": False,  # which would hide a mistake
+        })  # fmt: skip
+        side = 1 if term == "diffuse" else -1
+        leaning, facet = side * (to_light @ normal), side * to_light[2]
+        expected = 0.75 * leaning if leaning > 0 and facet > 0 else 0
+        assert image.pixels[..., 0] == pytest.approx(expected, abs=1e-6), np.degrees(angle)
+
+
 def test_normals_that_cancel() -> None:
     """Halfway between opposite normals there is none: the triangle's own counts, and no pixel is without a number."""
     corners, normals = [[0, 1, 0], [-2, -1, 0], [2, -1, 0]], [[1, 0, 0], [-1, 0, 0], [-1, 0, 0]]

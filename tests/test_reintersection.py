@@ -14,13 +14,14 @@ from shapes import CONE, LEVELS, TRIANGLE, UNIT, WAYS, Shapes, dot, leave, lengt
 from targets import FLAT, KINDS, SOLID, Targets, aim, make_targets
 
 EXITS = 4
-# Where a triangle's coordinates differ by sixteen orders of magnitude, float does not hold its normal to what its place asks for.
-ALLOWED = {"stretched triangle": 4e-5}
+# Where a triangle's coordinates differ by sixteen orders of magnitude, float does not hold its normal to what its place asks for,
+# and some of those that graze return.
+ALLOWED = {"stretched triangle": 2.5e-5}
 BATCH = 35_000
 COUNT = 4_000_000
 
 
-def ask(targets: Targets, flat: bool, rng: np.random.Generator, way: str) -> tuple[int, Any]:
+def ask(targets: Targets, flat: bool, rng: np.random.Generator, way: str, grazing: float) -> tuple[int, Any]:
     """How many rays left, and those that met again what they left: starts and directions."""
     numbers = rng.integers(0, targets.count, BATCH)
     origin, direction = aim(targets, rng, numbers, targets.point_on(rng, numbers))
@@ -36,23 +37,24 @@ def ask(targets: Targets, flat: bool, rng: np.random.Generator, way: str) -> tup
     if flat:  # both sides
         side[len(found) * EXITS // 2 :] *= -1
     start = targets.spawn(members(surface, lambda a: np.tile(a, (EXITS, 1))), side)
-    second = targets.ray(start, leave(rng, side))
+    second = targets.ray(start, leave(rng, side, grazing))
     again, _ = targets.meet(second, numbers, way)
     leaves = (dot(exact, side) * dot(exact, second.direction) > 0) & ~targets.passes_tip(second, numbers)
     return int(leaves.sum()), [(start[i], second.direction[i]) for i in np.flatnonzero(again & leaves)]
 
 
-def ask_many(kind: str, level: str, count: int, seed: int) -> None:
+def ask_many(kind: str, level: str, count: int, seed: int, grazing: float = 0.5) -> None:
+    allowed = ALLOWED.get(kind, 0) if grazing else 0
     rng = np.random.default_rng(seed)
     asked, batch, failed = 0, 0, 0
     while asked < count:
         targets = make_targets(kind, level, 1000 * seed + batch)
         way = [*WAYS][batch % 3] if level == "standard" else "alone"
-        some, failures = ask(targets, kind.partition(" in an")[0] in FLAT, rng, way)
-        assert kind in ALLOWED or not failures, f"after {asked}, {way}: {failures[:3]}"
+        some, failures = ask(targets, kind.partition(" in an")[0] in FLAT, rng, way, grazing)
+        assert allowed or not failures, f"after {asked}, {way}: {failures[:3]}"
         assert some > BATCH // 10, f"{some} queries only"
         asked, batch, failed = asked + some, batch + 1, failed + len(failures)
-    assert failed <= ALLOWED.get(kind, 0) * asked
+    assert failed <= allowed * asked
     print(f"{kind}, {level}: {failed} of {asked}, ≤ {(3 + 2 * failed) / asked:.1e} at 95 %")
 
 
@@ -82,6 +84,17 @@ def test_rays_that_leave_a_cone_beyond_its_tip() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_tenth(kind: str) -> None:
     ask_many(kind, "standard", COUNT // 10, 1)
+
+
+def test_a_tenth_of_pbrts_triangles() -> None:
+    """Every coordinate by itself, and no more rays that graze than pbrt asks: evenly spread directions."""
+    ask_many("stretched triangle", "standard", COUNT // 10, 1, grazing=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", LEVELS)
+def test_as_many_of_pbrts_triangles(level: str) -> None:
+    ask_many("stretched triangle", level, COUNT, 2, grazing=0)
 
 
 @pytest.mark.slow
