@@ -111,8 +111,8 @@ static void print_tolerance(const json_t *stats) {
                 item(checked, "size", 1));
     fprintf(stderr, ",\n    against reference with %d samples a pixel, itself known within %.2g; found in %.2f s\n",
             (int)whole_at(truth, "samples"), number_at(truth, "noise"), number_at(tolerance, "seconds"));
-    fprintf(stderr, "    truncation is apart, for the truth has depth %d and cutoff %.3g", (int)whole_at(truth, "depth"),
-            number_at(truth, "cutoff"));
+    fprintf(stderr, "    truncation is apart, for the truth has depth %d and cutoff %.3g",
+            (int)whole_at(truth, "depth"), number_at(truth, "cutoff"));
     print_bound(json_object_get(stats, "truncation_bound"));
     fprintf(stderr, "    %-9s %7s %9s  error: %9s %10s, seconds on the proxy of %dx%d\n", "level", "samples", "cutoff",
             "picture", "proxy", item(tolerance, "proxy", 0), item(tolerance, "proxy", 1));

@@ -315,12 +315,12 @@ static json_t *describe(const search *s, const trial *chosen, const char *why, d
     const int *r = t->regions[0];
     return json_pack("{s:f, s:b, s:f, s:{s:i, s:f, s:i, s:f}, s:{s:i, s:[i,i], s:b}, s:{s:s, s:i, s:f, s:i}, s:[i,i], "
                      "s:s, s:o, s:f}",
-                     "asked", s->tolerance, "reached", reached(s, chosen), "error", error_found(s, chosen), "truth", "samples", t->samples,
-                     "noise", t->noise, "depth", t->depth, "cutoff", t->cutoff, "checked", "tiles", t->count, "size",
-                     r[2] - r[0], r[3] - r[1], "whole", s->whole, "chosen", "level", level_name(chosen->way.level),
-                     "samples", chosen->way.samples, "cutoff", chosen->way.cutoff, "depth", chosen->way.depth, "proxy",
-                     s->proxy.settings.width, s->proxy.settings.height, "why", why, "candidates", describe_trials(s),
-                     "seconds", seconds);
+                     "asked", s->tolerance, "reached", reached(s, chosen), "error", error_found(s, chosen), "truth",
+                     "samples", t->samples, "noise", t->noise, "depth", t->depth, "cutoff", t->cutoff, "checked",
+                     "tiles", t->count, "size", r[2] - r[0], r[3] - r[1], "whole", s->whole, "chosen", "level",
+                     level_name(chosen->way.level), "samples", chosen->way.samples, "cutoff", chosen->way.cutoff,
+                     "depth", chosen->way.depth, "proxy", s->proxy.settings.width, s->proxy.settings.height, "why", why,
+                     "candidates", describe_trials(s), "seconds", seconds);
 }
 
 /* ---- all of it ---- */
