@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
+from typing import Any
 
 import numpy as np
 import pytest
 from pictures import everything
 from stability import studies
-from stability.study import DOUBLE, ROBUST, Study, broken_claims, kernel_options, run
+from stability.study import DOUBLE, NAIVE, ROBUST, Curve, Study, broken_claims, kernel_options, run
 
 import feeler
 
@@ -19,10 +21,37 @@ def test_a_row_of_the_catalogue(study: Study) -> None:
     result = run(study, with_cost=False)
     assert not broken_claims(result), "\n".join(broken_claims(result))
     curves = [curve for panel in result.panels for curve in panel.curves]
-    assert any(curve.fails is not None for curve in curves), "no failure is shown"
+    assert any(curve.kind == NAIVE and (curve.fails or curve.figures) for curve in curves), "no failure is shown"
+    assert [curve.name for curve in curves if not curve.claims_something()] == [], "of these nothing is claimed"
     assert all(len(curve.values) == len(panel.x) for panel in result.panels for curve in panel.curves)
     assert any(curve.kind == ROBUST and curve.bound is not None for curve in curves)
     assert any(curve.kind == DOUBLE for curve in curves)
+
+
+@pytest.mark.parametrize(
+    "claims",
+    [
+        {"bound": 0.5}, {"bound": [None, 1, 2, 1]}, {"bound": 9, "fails": 2.1}, {"fails": [0, None, 2.1, None]},
+        {"fails": [None, 0, None, None]}, {"figures": [0, None, 1, None]}, {"figures": [0, 2, None, None]},
+        {"figures": [0.1, None, None, None]}, {"bound": [math.nan] * 4}, {"fails": math.nan}, {"figures": [math.nan] * 4},
+    ],
+)  # fmt: skip
+def test_what_is_not_as_claimed_is_found(claims: dict[str, Any]) -> None:
+    assert Curve("", NAIVE, [0, None, 2, 1.5], **claims).broken_claims()
+
+
+def test_what_is_as_claimed_is_not() -> None:
+    claims: dict[str, Any] = {"bound": [0, 0, None, 1.5], "fails": [0, None, 2, 1], "figures": [0, None, 1.6, 1.9]}
+    assert Curve("", NAIVE, [0, None, 2, 1.5], **claims).broken_claims() == []
+    assert Curve("", NAIVE, [0, None, 2, 1.5], 2, 2).broken_claims() == []
+    with pytest.raises(AssertionError, match="3 claims for 4 values"):
+        Curve("", NAIVE, [0, None, 2, 1.5], [2, 2, 2]).broken_claims()
+
+
+@pytest.mark.parametrize("claims", [{"bound": 9}, {"bound": [9, 9, None]}, {"fails": 1}, {"fails": [1, 1, None]}, {}])
+def test_no_number_is_as_nothing_claims(claims: dict[str, Any]) -> None:
+    assert Curve("", NAIVE, [1, 2, math.nan], **claims).broken_claims()
+    assert not Curve("", NAIVE, [1, 2, None], **claims).broken_claims()
 
 
 def test_every_row_is_here() -> None:

@@ -4,6 +4,8 @@ with or without the tree.
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 import hypothesis
@@ -14,15 +16,44 @@ from whole_scenes import scenes
 
 import feeler
 
+ALL = list(hypothesis.HealthCheck)
+GENERAL = scenes()
+loaded: Counter[str] = Counter()  # in the test that runs: scenes that were accepted, and that were refused
+
 
 def load(description: dict[str, Any]) -> feeler.Scene:
-    """Extremes may make a shape degenerate, or put the look-at point at the eye: such scenes are refused, and no matter."""
+    """Extremes may make a shape degenerate, or put the look-at point at the eye: such scenes are refused, and no matter as long
+    as most are accepted.
+    """
     try:
-        return feeler.Scene(description)
+        scene = feeler.Scene(description)
     except feeler.Error as error:
         if error.kind != "bad input":
             raise
+        loaded["refused"] += 1
         hypothesis.reject()
+    loaded["accepted"] += 1
+    return scene
+
+
+def of_scenes(count: int, drawn: Any = GENERAL, **settings: Any) -> Callable[[Callable[..., None]], Callable[[], None]]:
+    """Asks this of so many scenes that are accepted. With a generator whose scenes are mostly refused, or of which there are only a
+    few, the test fails instead of asking little.
+    """
+
+    def decorate(ask: Callable[..., None]) -> Callable[[], None]:
+        ask_each = hypothesis.settings(max_examples=count, **settings)(hypothesis.given(drawn)(ask))
+
+        def test() -> None:
+            loaded.clear()
+            ask_each()
+            assert loaded["accepted"] >= count
+            assert loaded["refused"] <= count / 2 + 5, "more than a third"
+
+        test.__name__, test.__doc__ = ask.__name__, ask.__doc__
+        return test
+
+    return decorate
 
 
 def check(description: dict[str, Any], **settings: Any) -> None:
@@ -35,43 +66,37 @@ def check(description: dict[str, Any], **settings: Any) -> None:
     assert brute.stats["rays"] == image.stats["rays"]
 
 
-@hypothesis.settings(max_examples=20)
-@hypothesis.given(scenes())
+@of_scenes(20)
 def test_no_pixel_is_nan_or_infinite(description: dict[str, Any]) -> None:
     check(description)
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=20_000, suppress_health_check=list(hypothesis.HealthCheck))
-@hypothesis.given(scenes())
+@of_scenes(20_000, suppress_health_check=ALL)
 def test_no_pixel_of_thousands_is(description: dict[str, Any]) -> None:
     check(description)
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=500, suppress_health_check=list(hypothesis.HealthCheck))
-@hypothesis.given(scenes(filtered_shadows=True, smooth_terminator=True))
+@of_scenes(500, scenes(filtered_shadows=True, smooth_terminator=True), suppress_health_check=ALL)
 def test_nor_with_extensions(description: dict[str, Any]) -> None:
     check(description)
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=300, suppress_health_check=list(hypothesis.HealthCheck))
-@hypothesis.given(scenes())
+@of_scenes(300, suppress_health_check=ALL)
 def test_nor_in_double(description: dict[str, Any]) -> None:
     check(description, level="reference")
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=300, suppress_health_check=list(hypothesis.HealthCheck))
-@hypothesis.given(scenes())
+@of_scenes(300, suppress_health_check=ALL)
 def test_nor_of_packets(description: dict[str, Any]) -> None:
     check(description, samples=5)
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=200, suppress_health_check=list(hypothesis.HealthCheck))
-@hypothesis.given(scenes())
+@of_scenes(200, suppress_health_check=ALL)
 def test_channels_are_numbers(description: dict[str, Any]) -> None:
     scene = load(description)
     found = scene.render(general=True, channels="all").channels
@@ -82,18 +107,14 @@ def test_channels_are_numbers(description: dict[str, Any]) -> None:
     assert all(same_bits(brute[name], plane) for name, plane in found.items())
 
 
-@hypothesis.settings(max_examples=3, phases=[hypothesis.Phase.generate])
-@hypothesis.given(scenes())
+@of_scenes(3, phases=[hypothesis.Phase.generate])
 def test_specialised_is_general(description: dict[str, Any]) -> None:
     scene = load(description)
     assert same_bits(scene.render().pixels, scene.render(general=True).pixels)
 
 
 @pytest.mark.slow
-@hypothesis.settings(
-    max_examples=60, phases=[hypothesis.Phase.generate], suppress_health_check=list(hypothesis.HealthCheck)
-)
-@hypothesis.given(scenes())
+@of_scenes(60, phases=[hypothesis.Phase.generate], suppress_health_check=ALL)
 def test_many_specialised_are_general(description: dict[str, Any]) -> None:
     scene = load(description)
     assert same_bits(scene.render().pixels, scene.render(general=True).pixels)

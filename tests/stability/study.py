@@ -5,6 +5,7 @@ parameter that provokes them.
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,20 +17,56 @@ import numpy as np
 from .cost import Cost, PictureCost
 
 NAIVE, ROBUST, DOUBLE, OTHER = "naive", "robust", "double", "other"
+Claim = float | Sequence[float | None] | None
+ROOM = 4 / 3  # a figure in words has one digit or two, and another device may round otherwise
 
 
 @dataclass(frozen=True)
 class Curve:
     """What one method gave: a rate or an error for each x; None where there is nothing to measure.
 
-    What is claimed of it: no value is above `bound` (one number, or one for each x); the largest is at least `fails`.
+    What is claimed of it: no value is above `bound`, one number or one for each x; the largest reaches `fails`, and where that is
+    one for each x every value does; `figures` are those of docs/numerics.md, one for each x: a value is its figure but for a factor
+    of ROOM. None is no claim. Whatever is claimed, every value is a number.
     """
 
     name: str
     kind: str
     values: Sequence[float | None]
-    bound: float | Sequence[float] | None = None
-    fails: float | None = None
+    bound: Claim = None
+    fails: Claim = None
+    figures: Sequence[float | None] | None = None
+
+    def claims_something(self) -> bool:
+        return any(claim is not None for part in (self.bound, self.fails, self.figures) for claim in self.each(part))
+
+    def each(self, claim: Claim) -> list[float | None]:
+        """For each x."""
+        claims = list(claim) if isinstance(claim, Sequence) else [claim] * len(self.values)
+        assert len(claims) == len(self.values), f"{self.name}: {len(claims)} claims for {len(self.values)} values"
+        return claims
+
+    def broken_claims(self) -> list[str]:
+        """What is not as claimed. What was not measured is under any bound, but it reaches nothing and is no figure."""
+        measured = [value for value in self.values if value is not None]
+
+        def holds(claim: Claim, of: Callable[[float | None, float], bool]) -> bool:
+            return all(c is None or of(v, c) for v, c in zip(self.values, self.each(claim), strict=True))
+
+        def reaches(value: float | None, least: float) -> bool:
+            if not isinstance(self.fails, Sequence):
+                value = max(measured, default=None)
+            return value is not None and value >= least
+
+        checks = {
+            "has what is no number": not any(math.isnan(v) for v in measured),
+            f"is above {self.bound}": holds(self.bound, lambda v, b: v is None or v <= b),
+            f"does not reach {self.fails}": holds(self.fails, reaches),
+            f"is not about {self.figures}": holds(
+                self.figures, lambda v, f: v is not None and f / ROOM <= v <= f * ROOM
+            ),
+        }
+        return [f"{self.name}: {list(self.values)} {words}" for words, as_claimed in checks.items() if not as_claimed]
 
 
 @dataclass(frozen=True)
@@ -82,16 +119,25 @@ def run(study: Study, with_cost: bool = True) -> Result:
 
 def broken_claims(result: Result) -> list[str]:
     """What is not as claimed."""
-    broken = []
-    for panel in result.panels:
-        for curve in panel.curves:
-            values = np.array(curve.values, float)
-            measured = np.array([value is not None for value in curve.values])
-            if curve.bound is not None and not (values <= np.array(curve.bound, float))[measured].all():
-                broken.append(f"{panel.title}: {curve.name}: {list(values)} is above {curve.bound}")
-            if curve.fails is not None and not np.nanmax(values) >= curve.fails:
-                broken.append(f"{panel.title}: {curve.name}: never reaches {curve.fails}: {list(values)}")
-    return broken
+    return [
+        f"{panel.title}: {words}"
+        for panel in result.panels
+        for curve in panel.curves
+        for words in curve.broken_claims()
+    ]
+
+
+def between(low: float, high: float, count: int) -> dict[str, Any]:
+    """The claim of so many values that they lie from `low` to `high`, with a fifth of either as room."""
+    return {"fails": [0.8 * low] * count, "bound": [1.2 * high] * count}
+
+
+def later(values: Sequence[float], count: int | None = None) -> dict[str, Any]:
+    """What is claimed of double where digits cancel: 2²⁹ times less than these of float's, but for a factor of 8. Of the first
+    `count`, where float is not lost yet.
+    """
+    known = [v / 2**29 if count is None or i < count else None for i, v in enumerate(values)]
+    return {"bound": [k and 8 * k for k in known], "fails": [k and k / 8 for k in known]}
 
 
 def rates(wrong: Sequence[Any]) -> list[float]:
