@@ -11,11 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    PROXY = 64, /* pixels of its longer side */
-    MOST_SAMPLES = 256,
-    MOST_TRIALS = 32
-};
+enum { MOST_SAMPLES = 256, MOST_TRIALS = 32 };
 
 /* A way is good enough at this share of the tolerance, as long as there are others: tiles are only a part of the picture, and
  * the truth has noise of its own. The least error that is found is judged by the tolerance itself. */
@@ -44,32 +40,6 @@ typedef struct search {
     trial trials[MOST_TRIALS];
     int count;
 } search;
-
-/* ---- places to measure ---- */
-
-static int longer_side(const int r[4]) {
-    return r[2] - r[0] > r[3] - r[1] ? r[2] - r[0] : r[3] - r[1];
-}
-
-static int smaller(int a, int b) {
-    return a < b ? a : b;
-}
-
-static int open_proxy(search *s, feeler_error *error) {
-    const int *r = s->settings.region;
-    const double scale = fmin(1, (double)PROXY / longer_side(r));
-    feeler_settings *p = &s->proxy.settings;
-    *p = s->settings;
-    s->whole = scale == 1;
-    p->width = (int)fmax(1, round(scale * s->settings.width));
-    p->height = (int)fmax(1, round(scale * s->settings.height));
-    const double x = (double)p->width / s->settings.width, y = (double)p->height / s->settings.height;
-    const int region[1][4] = {{(int)floor(r[0] * x), (int)floor(r[1] * y), smaller((int)ceil(r[2] * x), p->width),
-                               smaller((int)ceil(r[3] * y), p->height)}};
-    /* Errors are greatest at edges, whose share of the pixels grows as pixels do. */
-    s->proxy.share = 1 - fmin(0.001 / scale, 0.05);
-    return truth_open(&s->proxy, region, 1, error);
-}
 
 /* ---- trials on the proxy ---- */
 
@@ -222,7 +192,7 @@ static trial *next_dearer(search *s) {
     way w = least_error(s, true)->way;
     w.cutoff = s->settings.cutoff;
     for (; s->any_samples && w.samples < MOST_SAMPLES && tried_there(s, w);)
-        w.samples = smaller(4 * w.samples, MOST_SAMPLES);
+        w.samples = 4 * w.samples < MOST_SAMPLES ? 4 * w.samples : MOST_SAMPLES;
     if (s->any_level && tried_there(s, w))
         w.level = FEELER_REFERENCE;
     return tried_there(s, w) || s->count == MOST_TRIALS ? NULL : add_trial(s, w);
@@ -349,9 +319,9 @@ static int start_search(search *s, const feeler_scene *scene, const feeler_setti
                        .user = user,
                        .depth = s->settings.depth > scene->depth ? s->settings.depth : scene->depth,
                        .cutoff = fmin(s->settings.cutoff, scene->cutoff)};
+    s->proxy.settings = s->settings;
+    s->proxy.share = 0.999;
     s->tiles = s->proxy;
-    s->tiles.settings = s->settings;
-    s->tiles.share = 0.999;
     return 0;
 }
 
@@ -359,7 +329,8 @@ static int start_search(search *s, const feeler_scene *scene, const feeler_setti
 static trial *find_way(search *s, feeler_error *error) {
     const uint32_t features = choose_needs(s->proxy.scene, &s->settings).features;
     const bool sends = features & (1u << FEATURE_REFLECTION | 1u << FEATURE_TRANSMISSION);
-    if (open_proxy(s, error) || truth_refine(&s->proxy, (s->whole ? noise_share : proxy_noise) * s->tolerance, error) ||
+    if (truth_open_proxy(&s->proxy, &s->whole, error) ||
+        truth_refine(&s->proxy, (s->whole ? noise_share : proxy_noise) * s->tolerance, error) ||
         try_ways(s, sends, error))
         return NULL;
     if (s->whole) {

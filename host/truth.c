@@ -14,7 +14,8 @@ enum { STEPS = sizeof steps / sizeof *steps };
 
 enum {
     REPEATS = 3,
-    TILES = 8, /* in each direction */
+    PROXY = 64, /* pixels of its longer side */
+    TILES = 8,  /* in each direction */
     LEAST_TILE = 8,
     MOST_TILE = 12 /* pixels of a side */
 };
@@ -44,7 +45,7 @@ void truth_close(truth *t) {
     t->halves[0] = NULL;
 }
 
-/* ---- tiles ---- */
+/* ---- places to measure ---- */
 
 static int smaller(int a, int b) {
     return a < b ? a : b;
@@ -56,6 +57,22 @@ static uint32_t mix(uint64_t x) {
     x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
     x = (x ^ x >> 27) * UINT64_C(0x94d049bb133111eb);
     return (uint32_t)(x >> 32);
+}
+
+int truth_open_proxy(truth *t, bool *whole, feeler_error *error) {
+    const feeler_settings of = t->settings;
+    const int *r = of.region, width = r[2] - r[0], height = r[3] - r[1];
+    const double scale = fmin(1, (double)PROXY / (width > height ? width : height));
+    *whole = scale == 1;
+    t->settings.width = (int)fmax(1, round(scale * of.width));
+    t->settings.height = (int)fmax(1, round(scale * of.height));
+    const double x = (double)t->settings.width / of.width, y = (double)t->settings.height / of.height;
+    const int region[1][4] = {{(int)floor(r[0] * x), (int)floor(r[1] * y),
+                               smaller((int)ceil(r[2] * x), t->settings.width),
+                               smaller((int)ceil(r[3] * y), t->settings.height)}};
+    /* Errors are greatest at edges, whose share of the pixels grows as pixels do. */
+    t->share = 1 - fmin(0.001 / scale, 0.05);
+    return truth_open(t, region, 1, error);
 }
 
 /* A tile's first pixel, anywhere in the cell `i` of so many that share the pixels from low to high. */

@@ -36,6 +36,8 @@ typedef struct truth {
 
 /* Of these regions of one size (copied), for what the first members up to `share` say. -1: out of memory. */
 int truth_open(truth *t, const int (*regions)[4], int count, feeler_error *error);
+/* Of the settings' region in a picture of at most 64 pixels on its longer side; `*whole` if that is the region itself. */
+int truth_open_proxy(truth *t, bool *whole, feeler_error *error);
 /* Of up to 64 tiles, one in each part of the settings' region, always the same. */
 int truth_open_tiles(truth *t, feeler_error *error);
 void truth_close(truth *t);
